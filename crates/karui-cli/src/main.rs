@@ -1,0 +1,3 @@
+//! The `karui` command line.
+
+fn main() {}

@@ -1,0 +1,93 @@
+//! The errors of the geometry library, with the numbers in them.
+
+/// What can go wrong in an operation on geometry that is already in memory.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A triangle or polygon names a vertex that does not exist.
+    #[error("face {face} uses vertex {index}, but there are only {vertices} vertices")]
+    IndexOutOfRange {
+        /// Index of the face.
+        face: usize,
+        /// The offending vertex index.
+        index: u32,
+        /// Number of vertices of the mesh.
+        vertices: usize,
+    },
+    /// A per-element array has the wrong length.
+    #[error("{what} has {found} entries, expected {expected}")]
+    LengthMismatch {
+        /// The array, e.g. `normals`.
+        what: String,
+        /// Entries needed.
+        expected: usize,
+        /// Entries there.
+        found: usize,
+    },
+    /// A coordinate or attribute is NaN or infinite.
+    #[error("{what} {index} is not finite")]
+    NotFinite {
+        /// The array, e.g. `position`.
+        what: String,
+        /// Index of the entry.
+        index: usize,
+    },
+    /// Material ranges do not tile the triangle list.
+    #[error("material range {range} covers triangles {first}..{end} of {triangles}")]
+    BadRange {
+        /// Index of the range.
+        range: usize,
+        /// First triangle.
+        first: usize,
+        /// One past the last triangle.
+        end: usize,
+        /// Number of triangles of the mesh.
+        triangles: usize,
+    },
+    /// A scene element refers to one that does not exist, or nodes form a cycle.
+    #[error("{what} {index} refers to {target} {to}, which {problem}")]
+    BadReference {
+        /// Kind of the element that refers, e.g. `node`.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// Kind of the element referred to.
+        target: &'static str,
+        /// Its index.
+        to: usize,
+        /// E.g. `does not exist` or `is its own ancestor`.
+        problem: &'static str,
+    },
+    /// An option lies outside its documented range.
+    #[error("option `{option}` is {found}; it must be {expected}")]
+    BadOption {
+        /// Name of the option.
+        option: &'static str,
+        /// The value given.
+        found: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// The input holds nothing to work on.
+    #[error("{what} is empty")]
+    Empty {
+        /// What is empty, e.g. `mesh`.
+        what: &'static str,
+    },
+    /// More elements than 32-bit indices can name.
+    #[error("{found} {what} are more than the {limit} that 32-bit indices can name")]
+    TooLarge {
+        /// E.g. `vertices`.
+        what: &'static str,
+        /// Number found.
+        found: usize,
+        /// Largest number accepted.
+        limit: usize,
+    },
+    /// The [`Progress`](crate::Progress) observer asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Shorthand for results of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;

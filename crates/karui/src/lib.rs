@@ -1,0 +1,14 @@
+//! Karui decides how much detail of a 3D model is worth drawing, storing and
+//! sending, and produces exactly that much, with errors that are measured.
+//!
+//! This crate holds geometry and algorithms only: no file formats, no network,
+//! no printing. Files are read and written by `karui-io`.
+
+pub mod error;
+pub mod geom;
+pub mod mesh;
+pub mod progress;
+
+pub use error::{Error, Result};
+pub use mesh::{PolyMesh, Scene, TriMesh};
+pub use progress::{Progress, Silent};
