@@ -1,1 +1,28 @@
-//! Readers and writers for Karui.
+//! Readers and writers for Karui: OBJ (with MTL), PLY, STL and OFF, each also
+//! gzipped, and glTF 2.0.
+//!
+//! ```no_run
+//! let scene = karui_io::read("dragon.ply")?;
+//! karui_io::write("dragon.obj.gz", &scene)?;
+//! # Ok::<(), karui_io::Error>(())
+//! ```
+//!
+//! Readers never panic and reserve no memory on the word of a header; every
+//! error names the file, the place and what was expected there. Writers leave
+//! either every file complete or none at all.
+
+mod atomic;
+mod error;
+mod format;
+mod off;
+mod read;
+mod source;
+mod warnings;
+mod write;
+
+pub use atomic::Written;
+pub use error::{Error, ErrorKind, Place, Result};
+pub use format::Format;
+pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
+pub use warnings::Warnings;
+pub use write::{WriteOptions, write, write_with};
