@@ -83,6 +83,36 @@ macro_rules! for_values {
 }
 
 impl AttributeValues {
+    /// No values of the same type.
+    #[must_use]
+    pub fn empty_like(&self) -> Self {
+        match self {
+            Self::I8(_) => Self::I8(Vec::new()),
+            Self::U8(_) => Self::U8(Vec::new()),
+            Self::I16(_) => Self::I16(Vec::new()),
+            Self::U16(_) => Self::U16(Vec::new()),
+            Self::I32(_) => Self::I32(Vec::new()),
+            Self::U32(_) => Self::U32(Vec::new()),
+            Self::F32(_) => Self::F32(Vec::new()),
+            Self::F64(_) => Self::F64(Vec::new()),
+        }
+    }
+
+    /// Appends values of the same type; those of another type are dropped.
+    pub(crate) fn append(&mut self, other: Self) {
+        match (self, other) {
+            (Self::I8(to), Self::I8(from)) => to.extend(from),
+            (Self::U8(to), Self::U8(from)) => to.extend(from),
+            (Self::I16(to), Self::I16(from)) => to.extend(from),
+            (Self::U16(to), Self::U16(from)) => to.extend(from),
+            (Self::I32(to), Self::I32(from)) => to.extend(from),
+            (Self::U32(to), Self::U32(from)) => to.extend(from),
+            (Self::F32(to), Self::F32(from)) => to.extend(from),
+            (Self::F64(to), Self::F64(from)) => to.extend(from),
+            _ => {}
+        }
+    }
+
     /// Number of scalar values.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -114,6 +144,22 @@ pub(crate) fn gather<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
 }
 
 impl Attribute {
+    /// Cuts off or fills up with zeros.
+    pub(crate) fn resize(&mut self, elements: usize) {
+        let len = elements * self.components;
+        for_values!(&mut self.values, v => v.resize(len, Default::default()));
+    }
+
+    /// The same name, width and type, without values.
+    #[must_use]
+    pub fn empty_like(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            components: self.components,
+            values: self.values.empty_like(),
+        }
+    }
+
     /// Number of elements (vertices, faces) described.
     #[must_use]
     pub fn elements(&self) -> usize {

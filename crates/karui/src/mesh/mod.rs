@@ -1,12 +1,15 @@
 //! Meshes, their attributes and the scenes they stand in.
 
 mod attributes;
+mod ear_clip;
 mod material;
 mod poly_mesh;
 mod position_ids;
 mod scene;
 pub mod shapes;
+mod single_mesh;
 mod tri_mesh;
+mod triangulate;
 mod validate;
 mod validate_scene;
 
