@@ -7,7 +7,9 @@
 pub mod error;
 pub mod geom;
 pub mod mesh;
+pub mod metrics;
 pub mod progress;
+pub mod spatial;
 
 pub use error::{Error, Result};
 pub use mesh::{PolyMesh, Scene, TriMesh};

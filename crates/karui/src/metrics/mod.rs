@@ -1,0 +1,17 @@
+//! How far a surface is from another, and how sound a mesh is.
+
+mod quality;
+mod sampling;
+mod surface;
+mod surface_distance;
+mod tally;
+mod vertex_distance;
+mod weld;
+
+pub use quality::{Quality, flipped, quality};
+pub use surface::Surface;
+pub use surface_distance::{
+    Distance, Samples, SurfaceDistance, SurfaceDistanceOptions, surface_distance,
+    surface_distance_between,
+};
+pub use vertex_distance::{vertex_distances, vertex_distances_to};
