@@ -2,11 +2,11 @@
 
 mod quality;
 mod sampling;
+mod sides;
 mod surface;
 mod surface_distance;
 mod tally;
 mod vertex_distance;
-mod weld;
 
 pub use quality::{Quality, flipped, quality};
 pub use surface::Surface;

@@ -1,9 +1,9 @@
 //! How sound a triangle mesh is, in counts.
 
-use super::weld;
+use super::sides::sorted_sides;
 use crate::error::{Error, Result};
 use crate::geom::normal_times_two_areas;
-use crate::mesh::TriMesh;
+use crate::mesh::{PositionIds, TriMesh};
 use crate::spatial::Bvh;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -38,22 +38,19 @@ pub struct Quality {
 /// [`Error::IndexOutOfRange`] for a triangle that names no vertex.
 pub fn quality(mesh: &TriMesh) -> Result<Quality> {
     check_indices(mesh)?;
-    let first = weld::representatives(&mesh.positions);
-    let weld = |t: &[u32; 3]| t.map(|v| first[v as usize]);
-    let welded: Vec<[u32; 3]> = mesh.triangles.iter().map(weld).collect();
-    let shapes: Vec<f64> = welded
-        .par_iter()
-        .map(|&t| shape(corners(mesh, t)))
-        .collect();
+    let ids = PositionIds::of_mesh(mesh);
+    let welded = ids.triangles(&mesh.triangles);
+    let triangles = mesh.triangles.par_iter();
+    let shapes: Vec<f64> = triangles.map(|&t| shape(corners(mesh, t))).collect();
     let bad = |(&t, &shape): (&[u32; 3], &f64)| !is_proper(t) || shape < 1e-6;
     let proper: Vec<[u32; 3]> = welded.iter().copied().filter(|&t| is_proper(t)).collect();
-    let sides = weld::sorted_sides(&proper);
+    let sides = sorted_sides(&proper);
     let sides_where = |wanted: fn(usize) -> bool| {
         let groups = sides.chunk_by(|a, b| a == b);
         groups.filter(|group| wanted(group.len())).count()
     };
     Ok(Quality {
-        positions: (0..).zip(&first).filter(|(v, f)| v == *f).count(),
+        positions: ids.count,
         triangles: welded.len(),
         boundary_edges: sides_where(|n| n == 1),
         non_manifold_edges: sides_where(|n| n > 2),

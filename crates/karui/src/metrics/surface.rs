@@ -1,9 +1,9 @@
 //! A mesh made ready to be measured.
 
-use super::weld;
+use super::sides::sorted_sides;
 use crate::error::Result;
 use crate::geom::{Aabb, area};
-use crate::mesh::TriMesh;
+use crate::mesh::{PositionIds, TriMesh};
 use crate::spatial::Bvh;
 use glam::{DVec3, Vec3};
 
@@ -43,7 +43,7 @@ impl Surface {
         let (position_of, kept) = number_by_first_use(mesh, bvh.order());
         let renumber = |&t: &u32| mesh.triangles[t as usize].map(|v| position_of[v as usize]);
         let triangles: Vec<[u32; 3]> = bvh.order().iter().map(renumber).collect();
-        let mut edges = weld::sorted_sides(&triangles);
+        let mut edges = sorted_sides(&triangles);
         edges.dedup();
         let mut surface = Self {
             bvh,
@@ -111,26 +111,21 @@ impl Surface {
 /// Numbers positions in the order in which triangles use them: the number of
 /// every vertex, and a vertex for every number.
 fn number_by_first_use(mesh: &TriMesh, order: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let first = weld::representatives(&mesh.positions);
-    let mut number = vec![UNUSED; mesh.positions.len()];
+    let ids = PositionIds::of_mesh(mesh);
+    let mut number = vec![UNUSED; ids.count];
     let mut used = vec![false; mesh.positions.len()];
     let mut kept = Vec::new();
     for &v in order.iter().flat_map(|&t| &mesh.triangles[t as usize]) {
         used[v as usize] = true;
-        let slot = &mut number[first[v as usize] as usize];
+        let slot = &mut number[ids.of_vertex[v as usize] as usize];
         if *slot == UNUSED {
             *slot = kept.len() as u32;
             kept.push(v);
         }
     }
-    let number_of = |v: usize| {
-        if used[v] {
-            number[first[v] as usize]
-        } else {
-            UNUSED
-        }
-    };
-    ((0..used.len()).map(number_of).collect(), kept)
+    let vertices = ids.of_vertex.iter().zip(used);
+    let number_of = |(&id, used)| if used { number[id as usize] } else { UNUSED };
+    (vertices.map(number_of).collect(), kept)
 }
 
 fn running_sum(values: impl Iterator<Item = f64>) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Sums over samples.
 
 use super::surface_distance::Distance;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Sums over some samples, to be merged in a fixed order so that rounding does
 /// not depend on threads.
@@ -59,7 +59,7 @@ impl Tally {
             mean: mean_of(self.sum),
             rms: mean_of(self.sum_of_squares).sqrt(),
             samples: self.samples,
-            farthest: [from, to].map(|p| Vec3::from(p.as_vec3())),
+            farthest: [from, to].map(|p| p.as_vec3()),
         }
     }
 }
