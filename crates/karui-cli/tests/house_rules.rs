@@ -53,7 +53,8 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
 /// Whether the file ends up in a library: binaries, tests and examples may print.
 fn is_library(file: &Path) -> bool {
     let has = |name: &str| file.components().any(|c| c.as_os_str() == name);
-    has("src") && !has("karui-cli") && !has("bin")
+    let tests = file.file_stem().is_some_and(|s| s == "tests");
+    has("src") && !has("karui-cli") && !has("bin") && !tests
 }
 
 #[derive(Default)]
