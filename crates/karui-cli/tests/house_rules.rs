@@ -81,7 +81,8 @@ impl Report {
         self.function_lines.push(lines);
         if lines > FUNCTION_LINES {
             let file = &self.file;
-            self.broken.push(format!("{file}: {name} has {lines} lines"));
+            self.broken
+                .push(format!("{file}: {name} has {lines} lines"));
         }
     }
 }
