@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Seeds for the readers: fuzz/seeds.sh FOLDER [LARGEST_BYTES]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+target=$1 largest=${2:-40000} models=${KARUI_MODELS:-../shared/models}
+
+gather() {
+    local folder=$target/read_$1 file n=0
+    shift
+    mkdir -p "$folder"
+    while IFS= read -r file; do
+        cp "$file" "$folder/$n-$(basename "$file")"
+        n=$((n + 1))
+    done < <(find -L "$models" -type f -size "-${largest}c" \( "$@" \) | sort)
+    echo "$n seeds in $folder"
+}
+
+gather obj -iname '*.obj'
+gather ply -iname '*.ply'
+gather stl -iname '*.stl'
+gather off -iname '*.off'
+gather gltf -iname '*.gltf' -o -iname '*.glb'
+mkdir -p "$target/read_gz"
+for file in "$target"/read_off/*; do
+    gzip -nc "$file" >"$target/read_gz/$(basename "$file").gz"
+done
+echo "$(find "$target/read_gz" -type f | wc -l) seeds in $target/read_gz"
