@@ -58,6 +58,50 @@ pub enum Error {
         /// E.g. `does not exist` or `is its own ancestor`.
         problem: &'static str,
     },
+    /// A face names a vertex twice or has fewer than three corners.
+    #[error("face {face} is degenerate: it has fewer than three different corners")]
+    DegenerateFace {
+        /// Index of the face.
+        face: usize,
+    },
+    /// More than two faces meet in an edge.
+    #[error("{faces} faces meet in the edge between vertices {a} and {b}, more than two")]
+    NonManifoldEdge {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+        /// Number of faces that meet.
+        faces: usize,
+    },
+    /// Two faces run through their common edge in the same direction.
+    #[error(
+        "faces {first} and {second} have opposite orientation at the edge from vertex {a} to {b}"
+    )]
+    InconsistentEdge {
+        /// Where both faces enter the edge.
+        a: u32,
+        /// Where both faces leave it.
+        b: u32,
+        /// One face.
+        first: usize,
+        /// The other face.
+        second: usize,
+    },
+    /// The faces around a vertex form more than one fan.
+    #[error("the faces around vertex {vertex} form more than one fan")]
+    NonManifoldVertex {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// An invariant of a data structure does not hold.
+    #[error("broken invariant at {index}: {rule}")]
+    Broken {
+        /// The rule that does not hold.
+        rule: &'static str,
+        /// Index of the element where it does not.
+        index: usize,
+    },
     /// An option lies outside its documented range.
     #[error("option `{option}` is {found}; it must be {expected}")]
     BadOption {

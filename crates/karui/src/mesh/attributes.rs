@@ -125,9 +125,15 @@ impl AttributeValues {
         self.len() == 0
     }
 
-    /// Keeps the elements named by `sources`, in that order.
-    pub(crate) fn gather(&mut self, components: usize, sources: &[u32]) {
-        for_values!(self, v => *v = gather_wide(v, components, sources));
+    fn gathered(&self, components: usize, sources: &[u32]) -> Self {
+        macro_rules! same_type {
+            ($($kind:ident)*) => {
+                match self {
+                    $(Self::$kind(v) => Self::$kind(gather_wide(v, components, sources)),)*
+                }
+            };
+        }
+        same_type!(I8 U8 I16 U16 I32 U32 F32 F64)
     }
 }
 
@@ -137,10 +143,6 @@ fn gather_wide<T: Copy>(values: &[T], components: usize, sources: &[u32]) -> Vec
         values[first..first + components].iter().copied()
     };
     sources.iter().flat_map(element).collect()
-}
-
-pub(crate) fn gather<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
-    *values = sources.iter().map(|&s| values[s as usize]).collect();
 }
 
 impl Attribute {
@@ -167,25 +169,44 @@ impl Attribute {
     }
 }
 
+impl Attribute {
+    /// The elements named by `sources`, in that order, as a new attribute.
+    pub(crate) fn gathered(&self, sources: &[u32]) -> Self {
+        Self {
+            name: self.name.clone(),
+            components: self.components,
+            values: self.values.gathered(self.components, sources),
+        }
+    }
+}
+
+pub(crate) fn gathered<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
+    sources.iter().map(|&s| values[s as usize]).collect()
+}
+
+fn gathered_sets<T: Copy>(sets: &[Vec<T>], sources: &[u32]) -> Vec<Vec<T>> {
+    sets.iter().map(|set| gathered(set, sources)).collect()
+}
+
 impl Attributes {
+    /// The vertices named by `sources`, in that order, as new attributes. What
+    /// [`Attributes::gather`] does, at the cost of the vertices chosen only.
+    pub(crate) fn gathered(&self, sources: &[u32]) -> Self {
+        Self {
+            normals: self.normals.as_ref().map(|v| gathered(v, sources)),
+            tangents: self.tangents.as_ref().map(|v| gathered(v, sources)),
+            uvs: gathered_sets(&self.uvs, sources),
+            colors: gathered_sets(&self.colors, sources),
+            skins: gathered_sets(&self.skins, sources),
+            morphs: self.morphs.iter().map(|m| m.gathered(sources)).collect(),
+            custom: self.custom.iter().map(|a| a.gathered(sources)).collect(),
+        }
+    }
+
     /// Keeps the vertices named by `sources`, in that order; a source may
     /// appear several times. Every source must be a valid vertex.
     pub fn gather(&mut self, sources: &[u32]) {
-        if let Some(normals) = &mut self.normals {
-            gather(normals, sources);
-        }
-        if let Some(tangents) = &mut self.tangents {
-            gather(tangents, sources);
-        }
-        self.uvs.iter_mut().for_each(|set| gather(set, sources));
-        self.colors.iter_mut().for_each(|set| gather(set, sources));
-        self.skins.iter_mut().for_each(|set| gather(set, sources));
-        self.morphs
-            .iter_mut()
-            .for_each(|morph| morph.gather(sources));
-        for attribute in &mut self.custom {
-            attribute.values.gather(attribute.components, sources);
-        }
+        *self = self.gathered(sources);
     }
 
     /// Name and element count of every array present, for validation.
@@ -218,10 +239,12 @@ impl Attributes {
 }
 
 impl MorphTarget {
-    fn gather(&mut self, sources: &[u32]) {
-        let parts = [&mut self.positions, &mut self.normals, &mut self.tangents];
-        for part in parts.into_iter().flatten() {
-            gather(part, sources);
+    fn gathered(&self, sources: &[u32]) -> Self {
+        let part = |values: &Option<Vec<Vec3>>| values.as_ref().map(|v| gathered(v, sources));
+        Self {
+            positions: part(&self.positions),
+            normals: part(&self.normals),
+            tangents: part(&self.tangents),
         }
     }
 }

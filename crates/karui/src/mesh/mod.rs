@@ -2,9 +2,16 @@
 
 mod attributes;
 mod ear_clip;
+mod components;
+mod diagnose;
+mod disjoint_sets;
+mod edges;
+mod halfedge;
 mod material;
+mod normals;
 mod poly_mesh;
 mod position_ids;
+mod repair;
 mod scene;
 pub mod shapes;
 mod single_mesh;
@@ -12,10 +19,17 @@ mod tri_mesh;
 mod triangulate;
 mod validate;
 mod validate_scene;
+mod weld;
 
 pub use attributes::{Attribute, AttributeValues, Attributes, MorphTarget, SkinWeights};
+pub use components::Components;
+pub use diagnose::{TopologyReport, diagnose, diagnose_with};
+pub use halfedge::{FaceId, FaceLoop, Halfedge, HalfedgeId, Ring, VertexId};
 pub use material::{AlphaMode, Image, ImageData, Material, Texture, TextureRef, UvTransform, Wrap};
+pub use normals::{NormalWeight, vertex_normals};
 pub use poly_mesh::PolyMesh;
 pub use position_ids::PositionIds;
+pub use repair::{RepairCounts, RepairOptions, Repaired, repair};
 pub use scene::{Attachment, LodLinks, NamedMesh, Node, Scene, Transform};
 pub use tri_mesh::{MaterialRange, TriMesh};
+pub use weld::{WeldOptions, Welded, weld};

@@ -1,6 +1,7 @@
 //! Which vertices lie at the same position.
 
 use super::TriMesh;
+use crate::error::{Error, Result};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -37,6 +38,30 @@ impl PositionIds {
             of_vertex: (0..vertices as u32).collect(),
             count: vertices,
         }
+    }
+
+    /// Checks that these ids have one entry per vertex of `mesh`, all below
+    /// `count`, and that every triangle's vertices exist.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`], [`Error::Broken`] or
+    /// [`Error::IndexOutOfRange`].
+    pub fn validate_for(&self, mesh: &TriMesh) -> Result<()> {
+        let (expected, found) = (mesh.positions.len(), self.of_vertex.len());
+        if expected != found {
+            let what = "position ids".into();
+            return Err(Error::LengthMismatch {
+                what,
+                expected,
+                found,
+            });
+        }
+        let is_bad = |&id: &u32| id as usize >= self.count;
+        if let Some(index) = self.of_vertex.par_iter().position_first(is_bad) {
+            let rule = "position ids lie below their count";
+            return Err(Error::Broken { rule, index });
+        }
+        mesh.validate_indices()
     }
 
     /// `triangles` with every vertex replaced by its position id. Every vertex

@@ -1,6 +1,6 @@
 //! The indexed triangle mesh that every operation takes and returns.
 
-use super::attributes::{Attribute, Attributes};
+use super::attributes::{Attribute, Attributes, gathered};
 use crate::geom::Aabb;
 use glam::{DVec3, Vec3};
 
@@ -91,7 +91,7 @@ impl TriMesh {
     /// Keeps the vertices named by `sources`, in that order, with their
     /// attributes. Triangles are left as they are.
     pub fn gather_vertices(&mut self, sources: &[u32]) {
-        super::attributes::gather(&mut self.positions, sources);
+        self.positions = gathered(&self.positions, sources);
         self.attributes.gather(sources);
     }
 
@@ -109,9 +109,9 @@ impl TriMesh {
             (range.first, range.count) = (next, count);
             next += count;
         }
-        super::attributes::gather(&mut self.triangles, &kept);
+        self.triangles = gathered(&self.triangles, &kept);
         for attribute in &mut self.face_attributes {
-            attribute.values.gather(attribute.components, &kept);
+            *attribute = attribute.gathered(&kept);
         }
     }
 
