@@ -1,10 +1,10 @@
 //! Meshes, their attributes and the scenes they stand in.
 
 mod attributes;
-mod ear_clip;
 mod components;
 mod diagnose;
 mod disjoint_sets;
+mod ear_clip;
 mod edges;
 mod halfedge;
 mod material;
