@@ -1,6 +1,8 @@
 //! Polygons into triangles.
 
-use super::{Attribute, MaterialRange, PolyMesh, TriMesh, attributes::gather, ear_clip::ear_clip};
+use super::{
+    Attribute, MaterialRange, PolyMesh, TriMesh, attributes::gathered, ear_clip::ear_clip,
+};
 use glam::{DVec2, DVec3};
 
 impl PolyMesh {
@@ -16,7 +18,7 @@ impl PolyMesh {
         let (mut triangles, mut face_of) = self.cut_faces();
         let ranges = self.group_by_material(&mut triangles, &mut face_of);
         TriMesh {
-            face_attributes: spread(self.face_attributes, &face_of),
+            face_attributes: spread(&self.face_attributes, &face_of),
             positions: self.positions,
             triangles,
             attributes: self.attributes,
@@ -123,8 +125,8 @@ impl PolyMesh {
         }
         if ranges.len() > 1 {
             let order = stable_order(&range_of);
-            gather(triangles, &order);
-            gather(face_of, &order);
+            *triangles = gathered(triangles, &order);
+            *face_of = gathered(face_of, &order);
         }
         ranges
     }
@@ -136,11 +138,8 @@ fn stable_order(keys: &[u32]) -> Vec<u32> {
     order
 }
 
-fn spread(mut attributes: Vec<Attribute>, face_of: &[u32]) -> Vec<Attribute> {
-    for attribute in &mut attributes {
-        attribute.values.gather(attribute.components, face_of);
-    }
-    attributes
+fn spread(attributes: &[Attribute], face_of: &[u32]) -> Vec<Attribute> {
+    attributes.iter().map(|a| a.gathered(face_of)).collect()
 }
 
 /// Normal of a polygon that need not be plane, as long as twice its area
