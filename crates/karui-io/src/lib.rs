@@ -14,6 +14,7 @@
 mod atomic;
 mod error;
 mod format;
+mod gltf;
 mod off;
 mod read;
 mod source;

@@ -119,10 +119,10 @@ fn scene(format: Format, source: &mut Source<'_>) -> Result<Loaded> {
     Ok(Loaded { scene, warnings })
 }
 
-fn scene_of(format: Format, _source: &mut Source<'_>) -> Result<Scene> {
+fn scene_of(format: Format, source: &mut Source<'_>) -> Result<Scene> {
     match format {
         Format::Obj | Format::Ply | Format::Stl | Format::Off => unsupported("reading", format),
-        Format::Gltf | Format::Glb => unsupported("reading", format),
+        Format::Gltf | Format::Glb => crate::gltf::read(source),
     }
 }
 
