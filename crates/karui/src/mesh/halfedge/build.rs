@@ -240,3 +240,94 @@ impl Halfedge {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::halfedge::{FaceId, VertexId};
+    use glam::Vec3;
+
+    /// A cube of six quads without its last `open` faces.
+    fn quad_cube(open: usize) -> PolyMesh {
+        let faces = [
+            [0, 1, 3, 2],
+            [4, 6, 7, 5],
+            [0, 4, 5, 1],
+            [2, 3, 7, 6],
+            [0, 2, 6, 4],
+            [1, 5, 7, 3],
+        ];
+        let mut mesh = PolyMesh {
+            positions: vec![Vec3::ZERO; 8],
+            ..PolyMesh::default()
+        };
+        faces[open..].iter().for_each(|f| mesh.push_face(f));
+        mesh
+    }
+
+    #[test]
+    fn quads_keep_their_corners() {
+        let mesh = quad_cube(0);
+        let topology = Halfedge::of_poly_mesh(&mesh).unwrap();
+        topology.validate().unwrap();
+        assert_eq!(topology.edge_count(), 12);
+        assert_eq!(topology.euler_characteristic(), 2);
+        for (f, face) in mesh.faces().enumerate() {
+            let found: Vec<u32> = topology
+                .face_vertices(FaceId(f as u32))
+                .map(|v| v.0)
+                .collect();
+            assert_eq!(found, face);
+        }
+        for v in 0..8 {
+            assert_eq!(topology.neighbors(VertexId(v)).count(), 3);
+        }
+    }
+
+    #[test]
+    fn holes_are_loops() {
+        let topology = Halfedge::of_poly_mesh(&quad_cube(1)).unwrap();
+        let [hole] = topology.boundary_loops()[..] else {
+            panic!("one hole");
+        };
+        let around: Vec<u32> = topology
+            .loop_from(hole)
+            .map(|h| topology.origin(h).0)
+            .collect();
+        assert_eq!(around.len(), 4);
+        assert!(
+            [0, 1, 2, 3]
+                .iter()
+                .all(|&v| topology.is_boundary_vertex(VertexId(v)))
+        );
+        assert!(!topology.is_boundary_vertex(VertexId(4)));
+        // Without two opposite faces the cube is a tube.
+        assert_eq!(
+            Halfedge::of_poly_mesh(&quad_cube(2))
+                .unwrap()
+                .boundary_loops()
+                .len(),
+            2
+        );
+    }
+
+    #[test]
+    fn damaged_polygons_are_errors() {
+        type Damage = fn(&mut PolyMesh);
+        let damages: [Damage; 8] = [
+            |m| m.offsets.clear(),
+            |m| m.offsets[0] = 1,
+            |m| m.offsets[2] = 0,
+            |m| m.offsets[6] = u32::MAX,
+            |m| m.indices.truncate(20),
+            |m| m.indices[5] = 8,
+            |m| m.indices[1] = 0,
+            |m| m.push_face(&[0, 1]),
+        ];
+        for (i, damage) in damages.into_iter().enumerate() {
+            let mut mesh = quad_cube(0);
+            damage(&mut mesh);
+            assert!(Halfedge::of_poly_mesh(&mesh).is_err(), "damage {i}");
+        }
+    }
+}

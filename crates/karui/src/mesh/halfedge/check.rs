@@ -121,3 +121,44 @@ fn ensure(holds: bool, rule: &'static str, index: usize) -> Result<()> {
     }
     Err(Error::Broken { rule, index })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    #[test]
+    fn every_kind_of_damage_is_found() {
+        type Damage = fn(&mut Halfedge);
+        let damages: [(&str, Damage); 10] = [
+            ("halves come in pairs", |t| drop(t.origin.split_off(1))),
+            ("one entry a half-edge", |t| t.prev.clear()),
+            ("every id names an element", |t| t.next[3] = 9999),
+            ("prev undoes next", |t| t.next.swap(0, 5)),
+            ("next starts where this ends", |t| {
+                t.origin[2] = t.origin[2].wrapping_add(1) % 35
+            }),
+            ("next has the same face", |t| {
+                t.face[0] = (t.face[0] + 1) % 48
+            }),
+            ("the origin knows a half-edge", |t| t.of_vertex[0] = NONE),
+            ("a face's half-edge is its own", |t| t.of_face.swap(0, 1)),
+            ("a ring leaves its vertex", |t| t.of_vertex.swap(0, 1)),
+            ("a ring starts at the boundary", |t| {
+                let inner = t.ring(VertexId(0)).nth(1);
+                t.of_vertex[0] = inner.map_or(NONE, |h| h.0);
+            }),
+        ];
+        let mesh = shapes::grid(6, 4);
+        let sound = Halfedge::new(&mesh.triangles, mesh.positions.len()).unwrap();
+        sound.validate().unwrap();
+        for (expected, damage) in damages {
+            let mut damaged = sound.clone();
+            damage(&mut damaged);
+            match damaged.validate() {
+                Err(Error::Broken { rule, .. }) => assert_eq!(rule, expected),
+                other => panic!("{expected}: {other:?}"),
+            }
+        }
+    }
+}
