@@ -2,10 +2,12 @@
 
 use crate::{
     Format, Warnings,
-    error::{ErrorKind, Result},
+    error::{Error, ErrorKind, Result},
+    gltf, obj, off, ply,
     source::{Source, load},
+    stl,
 };
-use karui::{PolyMesh, Scene};
+use karui::{PolyMesh, Scene, TriMesh};
 use std::path::Path;
 
 /// How to read.
@@ -55,7 +57,6 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded
         name: path,
         bytes: &bytes,
         folder: path.parent(),
-        options,
         warnings: Warnings::default(),
     };
     scene(format, &mut source)
@@ -71,7 +72,6 @@ pub fn read_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> Resul
         name: name.as_ref(),
         bytes,
         folder: None,
-        options: &ReadOptions::default(),
         warnings: Warnings::default(),
     };
     scene(format, &mut source)
@@ -84,14 +84,12 @@ pub fn read_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> Resul
 /// As [`read`].
 pub fn read_poly(path: impl AsRef<Path>) -> Result<PolyMesh> {
     let path = path.as_ref();
-    let options = &ReadOptions::default();
-    let bytes = load(path, options)?;
+    let bytes = load(path, &ReadOptions::default())?;
     let format = Format::detect(path, &bytes)?;
     let mut source = Source {
         name: path,
         bytes: &bytes,
         folder: path.parent(),
-        options,
         warnings: Warnings::default(),
     };
     poly(format, &mut source)
@@ -106,7 +104,6 @@ pub fn read_poly_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> 
         name: name.as_ref(),
         bytes,
         folder: None,
-        options: &ReadOptions::default(),
         warnings: Warnings::default(),
     };
     poly(format, &mut source)
@@ -121,18 +118,61 @@ fn scene(format: Format, source: &mut Source<'_>) -> Result<Loaded> {
 
 fn scene_of(format: Format, source: &mut Source<'_>) -> Result<Scene> {
     match format {
-        Format::Obj | Format::Ply | Format::Stl | Format::Off => unsupported("reading", format),
-        Format::Gltf | Format::Glb => crate::gltf::read(source),
+        Format::Obj => Ok(obj::read(source)?.into_scene()),
+        Format::Ply => Ok(Scene::from_mesh(ply::read(source)?.triangulate())),
+        Format::Off => Ok(Scene::from_mesh(off::read(source)?.triangulate())),
+        Format::Stl => stl::read(source),
+        Format::Gltf | Format::Glb => gltf::read(source),
     }
 }
 
 fn poly(format: Format, source: &mut Source<'_>) -> Result<PolyMesh> {
     let name = source.name;
-    let mesh: Result<PolyMesh> = unsupported("reading", format);
-    mesh.map_err(|e| e.in_file(name))
+    poly_of(format, source).map_err(|e| e.in_file(name))
 }
 
-pub(crate) fn unsupported<T>(doing: &str, format: Format) -> Result<T> {
-    let kind = ErrorKind::unsupported(format!("{doing} {format}"));
-    Err(crate::Error::file("", kind))
+fn poly_of(format: Format, source: &mut Source<'_>) -> Result<PolyMesh> {
+    match format {
+        Format::Obj => Ok(obj::read(source)?.mesh),
+        Format::Ply => ply::read(source),
+        Format::Off => off::read(source),
+        Format::Stl | Format::Gltf | Format::Glb => {
+            let whole = scene_of(format, source)?.into_single_mesh();
+            Ok(polygons(whole.map_err(|e| Error::file("", e.into()))?))
+        }
+    }
+}
+
+/// Triangles as polygons.
+fn polygons(mesh: TriMesh) -> PolyMesh {
+    let mut face_materials = Vec::new();
+    for range in &mesh.ranges {
+        face_materials.resize(face_materials.len() + range.count as usize, range.material);
+    }
+    PolyMesh {
+        offsets: (0..=mesh.triangles.len()).map(|t| 3 * t as u32).collect(),
+        indices: mesh.triangles.into_flattened(),
+        positions: mesh.positions,
+        attributes: mesh.attributes,
+        face_attributes: mesh.face_attributes,
+        face_materials,
+    }
+}
+
+/// Appends a face unless 32 bits cannot count the corners.
+pub(crate) fn push_face(mesh: &mut PolyMesh, corners: &[u32]) -> Result<(), ErrorKind> {
+    check_corners(mesh.indices.len() + corners.len())?;
+    mesh.push_face(corners);
+    Ok(())
+}
+
+pub(crate) fn check_corners(found: usize) -> Result<(), ErrorKind> {
+    if found <= u32::MAX as usize {
+        return Ok(());
+    }
+    Err(ErrorKind::TooLarge {
+        what: "corners of faces",
+        found: found as u64,
+        limit: u64::from(u32::MAX),
+    })
 }

@@ -26,8 +26,6 @@ pub(crate) struct Source<'a> {
     /// The folder companions (materials, textures, buffers) are read from;
     /// `None` if the model lies in memory only.
     pub folder: Option<&'a Path>,
-    /// The caller's wishes.
-    pub options: &'a ReadOptions,
     /// Where the reader tells what it had to pass over.
     pub warnings: Warnings,
 }

@@ -3,17 +3,24 @@
 use crate::{
     Format,
     atomic::{Sink, Transaction, Written},
-    error::Result,
+    error::{Error, ErrorKind, Result},
     format::is_gz,
-    read::unsupported,
+    obj, off,
+    ply::{self, PlyEncoding},
+    stl,
 };
 use flate2::{Compression, write::GzEncoder};
-use karui::Scene;
-use std::{io, path::Path};
+use karui::{Scene, TriMesh, geom::Mat4};
+use std::{borrow::Cow, io, path::Path};
 
 /// How to write.
 #[derive(Debug, Clone, Default)]
-pub struct WriteOptions {}
+pub struct WriteOptions {
+    /// Encoding of PLY. Default binary, little endian.
+    pub ply: PlyEncoding,
+    /// STL as text instead of binary. Default `false`.
+    pub stl_ascii: bool,
+}
 
 /// Writes a scene in the format its name asks for; a final `.gz` compresses.
 /// Files the model refers to (materials, textures, buffers) are written beside
@@ -45,15 +52,44 @@ pub fn write_with(
 
 fn write_format(
     format: Format,
-    _files: &mut Transaction,
-    _path: &Path,
-    _scene: &Scene,
-    _options: &WriteOptions,
+    files: &mut Transaction,
+    path: &Path,
+    scene: &Scene,
+    options: &WriteOptions,
 ) -> Result<()> {
     match format {
-        Format::Obj | Format::Ply | Format::Stl | Format::Off => unsupported("writing", format),
-        Format::Gltf | Format::Glb => unsupported("writing", format),
+        Format::Obj => obj::write(files, path, scene),
+        Format::Ply => {
+            let mesh = single_mesh(scene)?;
+            write_file(files, path, |sink| ply::write(sink, &mesh, options.ply))
+        }
+        Format::Stl => {
+            let mesh = single_mesh(scene)?;
+            write_file(files, path, |sink| {
+                stl::write(sink, &mesh, options.stl_ascii)
+            })
+        }
+        Format::Off => {
+            let mesh = single_mesh(scene)?;
+            write_file(files, path, |sink| off::write(sink, &mesh))
+        }
+        Format::Gltf | Format::Glb => {
+            let kind = ErrorKind::unsupported(format!("writing {format}"));
+            Err(Error::file("", kind))
+        }
     }
+}
+
+/// All instances in one mesh, checked, without copying if the scene is just
+/// one mesh in place.
+fn single_mesh(scene: &Scene) -> Result<Cow<'_, TriMesh>> {
+    let fail = |error: karui::Error| Error::file("", error.into());
+    let mesh = match (&scene.meshes[..], &scene.instances()[..]) {
+        ([mesh], &[(_, matrix)]) if matrix == Mat4::IDENTITY => Cow::Borrowed(&mesh.mesh),
+        _ => Cow::Owned(scene.clone().into_single_mesh().map_err(fail)?),
+    };
+    mesh.validate().map_err(fail)?;
+    Ok(mesh)
 }
 
 /// Writes one file, compressed if its name ends in `.gz`. The time stamp in

@@ -171,7 +171,9 @@ impl Attribute {
 
 impl Attribute {
     /// The elements named by `sources`, in that order, as a new attribute.
-    pub(crate) fn gathered(&self, sources: &[u32]) -> Self {
+    /// Every source must be a valid element.
+    #[must_use]
+    pub fn gathered(&self, sources: &[u32]) -> Self {
         Self {
             name: self.name.clone(),
             components: self.components,

@@ -256,7 +256,7 @@ mod tests {
     fn star(n: usize) -> Vec<DVec2> {
         let point = |i: usize| {
             let angle = i as f64 / n as f64 * std::f64::consts::TAU;
-            DVec2::from_angle(angle) * if i % 2 == 0 { 1.0 } else { 0.6 }
+            DVec2::from_angle(angle) * if i.is_multiple_of(2) { 1.0 } else { 0.6 }
         };
         (0..n).map(point).collect()
     }

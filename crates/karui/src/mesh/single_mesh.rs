@@ -31,7 +31,7 @@ impl Scene {
         check("triangles", count(|m| m.triangles.len()))?;
         let mut whole = TriMesh::default();
         for &(mesh, world_from_mesh) in &instances {
-            append(&mut whole, placed(of(mesh), world_from_mesh));
+            append(&mut whole, of(mesh).clone().transformed(world_from_mesh));
         }
         if whole.ranges.iter().all(|r| r.material.is_none()) {
             whole.ranges.clear();
@@ -58,13 +58,18 @@ fn check(what: &'static str, found: usize) -> Result<()> {
     Ok(())
 }
 
-/// A copy of the mesh in world space.
-fn placed(mesh: &TriMesh, world_from_mesh: Mat4) -> TriMesh {
-    let mut mesh = mesh.clone();
-    if world_from_mesh != Mat4::IDENTITY {
-        transform(&mut mesh, world_from_mesh);
+impl TriMesh {
+    /// The mesh in another space: positions, normals, tangents and morph
+    /// differences are transformed, and triangles are turned over if the
+    /// matrix mirrors, so that they still face outwards. The identity changes
+    /// nothing, not even by rounding.
+    #[must_use]
+    pub fn transformed(mut self, other_from_mesh: Mat4) -> Self {
+        if other_from_mesh != Mat4::IDENTITY {
+            transform(&mut self, other_from_mesh);
+        }
+        self
     }
-    mesh
 }
 
 fn transform(mesh: &mut TriMesh, world_from_mesh: Mat4) {
@@ -345,7 +350,7 @@ mod tests {
                 "{:?}",
                 a.lengths()
             );
-            let plain = 3 * order[0] ^ 3;
+            let plain = 3 - 3 * order[0];
             assert_eq!(a.normals.as_ref().unwrap()[plain], Vec3::Z);
             assert_eq!(a.normals.as_ref().unwrap()[3 - plain], Vec3::Y);
             assert_eq!(a.colors[0][plain], Vec4::ONE);
