@@ -9,8 +9,10 @@ pub mod geom;
 pub mod mesh;
 pub mod metrics;
 pub mod progress;
+pub mod simplify;
 pub mod spatial;
 
 pub use error::{Error, Result};
 pub use mesh::{PolyMesh, Scene, TriMesh};
 pub use progress::{Progress, Silent};
+pub use simplify::{SimplifyOptions, Stop, simplify};

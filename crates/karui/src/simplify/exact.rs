@@ -1,0 +1,279 @@
+//! The exact driver: always the cheapest collapse next, its neighbourhood
+//! priced anew after each.
+
+use super::candidate::{Candidate, Refusal};
+use super::guard::Guard;
+use super::options::{Blocked, Stopped};
+use super::pairs::Pairs;
+use super::state::State;
+use crate::error::Result;
+use crate::progress::step;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// When the driver stops.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    /// At most this many triangles.
+    pub triangles: usize,
+    /// Largest error, model units.
+    pub error: f64,
+}
+
+/// How far the driver came.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reached {
+    pub error: f64,
+    pub stopped: Stopped,
+    pub collapses: usize,
+    pub blocked: Blocked,
+}
+
+/// A price in the queue; it holds while neither point has changed since.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Entry {
+    cost: f64,
+    points: [u32; 2],
+    versions: [u32; 2],
+}
+
+impl Eq for Entry {}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Entry {
+    /// Greatest is what comes first: least cost, then least points.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_cost = other.cost.total_cmp(&self.cost);
+        by_cost.then_with(|| other.points.cmp(&self.points))
+    }
+}
+
+/// Collapses until the target is met or nothing more can be.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub(crate) fn run<'a>(
+    state: State<'a>,
+    guard: &Guard<'_>,
+    target: Target,
+) -> Result<(State<'a>, Reached)> {
+    let pairs = state.options.pairs.map(|t| Pairs::near(&state.surface, t));
+    let mut driver = Driver {
+        version: vec![0; state.surface.position.len()],
+        queue: BinaryHeap::new(),
+        ring: Vec::new(),
+        second_ring: Vec::new(),
+        refused: Refused::default(),
+        error: 0.0,
+        collapses: 0,
+        pairs,
+        target,
+        guard,
+        state,
+    };
+    let stopped = driver.collapse_all()?;
+    let reached = Reached {
+        error: driver.error,
+        stopped,
+        collapses: driver.collapses,
+        blocked: driver.refused.blocked,
+    };
+    Ok((driver.state, reached))
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Refused {
+    blocked: Blocked,
+    by_error: usize,
+}
+
+impl Refused {
+    fn count(&mut self, refusal: Refusal) {
+        match refusal {
+            Refusal::Locked => self.blocked.locked += 1,
+            Refusal::Topology => self.blocked.topology += 1,
+            Refusal::Seams => self.blocked.seams += 1,
+            Refusal::Flips => self.blocked.flips += 1,
+            Refusal::Error => self.by_error += 1,
+        }
+    }
+}
+
+struct Driver<'a, 'g> {
+    state: State<'a>,
+    guard: &'g Guard<'g>,
+    target: Target,
+    queue: BinaryHeap<Entry>,
+    version: Vec<u32>,
+    pairs: Option<Pairs>,
+    ring: Vec<u32>,
+    second_ring: Vec<u32>,
+    refused: Refused,
+    error: f64,
+    collapses: usize,
+}
+
+impl Driver<'_, '_> {
+    fn collapse_all(&mut self) -> Result<Stopped> {
+        let start = self.state.surface.alive;
+        loop {
+            // What was refused once may be allowed after its neighbourhood
+            // has changed, so a queue that ran dry is filled again.
+            self.fill()?;
+            let before = self.collapses;
+            if self.drain(start)? {
+                return Ok(Stopped::Target);
+            }
+            if self.collapses == before {
+                return Ok(self.reason());
+            }
+        }
+    }
+
+    fn reason(&self) -> Stopped {
+        let b = self.refused.blocked;
+        if self.refused.by_error >= b.flips.max(b.locked).max(b.seams).max(b.topology).max(1) {
+            return Stopped::ErrorBound;
+        }
+        b.reason()
+    }
+
+    fn fill(&mut self) -> Result<()> {
+        self.refused = Refused::default();
+        let points = self.version.len() as u32;
+        for p in 0..points {
+            if p % 8192 == 0 {
+                step(
+                    self.state.options.progress,
+                    "price",
+                    p as f32 / points as f32,
+                )?;
+            }
+            self.around(p, false);
+            for i in 0..self.ring.len() {
+                if self.ring[i] > p {
+                    self.push(p, self.ring[i]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the neighbours of `p` (and, in `second`, of a neighbour) and its
+    /// pairs into the scratch ring.
+    fn around(&mut self, p: u32, second: bool) {
+        let ring = if second {
+            &mut self.second_ring
+        } else {
+            &mut self.ring
+        };
+        self.state
+            .surface
+            .neighbours(p, &mut self.state.marks, ring);
+        if let Some(pairs) = &self.pairs {
+            ring.extend(pairs.of(p).iter().filter(|&&q| !self.state.marks.has(q)));
+        }
+    }
+
+    fn push(&mut self, p: u32, q: u32) {
+        let points = [p.min(q), p.max(q)];
+        match self.state.candidate(points[0], points[1]) {
+            Ok(candidate) => self.queue.push(Entry {
+                cost: candidate.cost,
+                points,
+                versions: points.map(|p| self.version[p as usize]),
+            }),
+            Err(refusal) => self.refused.count(refusal),
+        }
+    }
+
+    /// Works the queue off; whether the target was reached.
+    fn drain(&mut self, start: usize) -> Result<bool> {
+        let progress = self.state.options.progress;
+        let span = start.saturating_sub(self.target.triangles).max(1);
+        let mut looked_at = 0usize;
+        while self.state.surface.alive > self.target.triangles {
+            let Some(entry) = self.queue.pop() else {
+                return Ok(false);
+            };
+            looked_at += 1;
+            if looked_at.is_multiple_of(1024) {
+                let done = start - self.state.surface.alive;
+                step(progress, "collapse", done as f32 / span as f32)?;
+            }
+            if entry.points.map(|p| self.version[p as usize]) == entry.versions
+                && let Err(refusal) = self.attempt(&entry)
+            {
+                self.refused.count(refusal);
+            }
+        }
+        Ok(true)
+    }
+
+    fn attempt(&mut self, entry: &Entry) -> Result<(), Refusal> {
+        let [a, b] = entry.points;
+        let candidate = self.state.candidate(a, b)?;
+        self.try_candidate(&candidate)
+    }
+
+    fn try_candidate(&mut self, c: &Candidate) -> Result<(), Refusal> {
+        let planes = self.state.plane_error(c);
+        if planes > self.target.error {
+            return Err(Refusal::Error);
+        }
+        let mixes = self.state.mixes(c);
+        self.state.check(c, &mixes)?;
+        let error = self.guard.check(&self.state, c)?.max(planes);
+        if error > self.target.error {
+            return Err(Refusal::Error);
+        }
+        self.error = self.error.max(error);
+        self.collapses += 1;
+        self.state.collapse(c, &mixes);
+        self.after(c);
+        Ok(())
+    }
+
+    /// Prices the edges whose cost the collapse has changed.
+    fn after(&mut self, c: &Candidate) {
+        self.version[c.kept as usize] += 1;
+        self.version[c.removed as usize] += 1;
+        if let Some(pairs) = &mut self.pairs {
+            pairs.merge(c.kept, c.removed);
+        }
+        self.around(c.kept, false);
+        if self.pairs.is_some() {
+            self.classify_ring(c.kept);
+            self.around(c.kept, false);
+        }
+        self.state.renew_star(c.kept);
+        for i in 0..self.ring.len() {
+            self.version[self.ring[i] as usize] += 1;
+            self.state.renew_star(self.ring[i]);
+        }
+        for i in 0..self.ring.len() {
+            let p = self.ring[i];
+            self.push(c.kept, p);
+            self.around(p, true);
+            for k in 0..self.second_ring.len() {
+                let q = self.second_ring[k];
+                if q != c.kept && (q > p || !self.ring.contains(&q)) {
+                    self.push(p, q);
+                }
+            }
+        }
+    }
+
+    fn classify_ring(&mut self, kept: u32) {
+        let ring = std::mem::take(&mut self.ring);
+        for &p in ring.iter().chain([&kept]) {
+            self.state.classify(p, &mut self.second_ring);
+        }
+        self.ring = ring;
+    }
+}
