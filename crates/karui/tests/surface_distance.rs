@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use karui::metrics::{
-    Samples, Surface, SurfaceDistance, SurfaceDistanceOptions, surface_distance,
+    Samples, Surface, SurfaceDistance, SurfaceDistanceOptions, directed_distance, surface_distance,
     surface_distance_between, vertex_distances,
 };
 use karui::{Error, Progress, TriMesh};
@@ -204,10 +204,10 @@ fn one_surface_for_many_levels() {
         let level = sphere(n, 1.0);
         let once = surface_distance(&original, &level, &count(500)).unwrap();
         let level = Surface::new(&level).unwrap();
-        assert_eq!(
-            surface_distance_between(&surface, &level, &count(500)),
-            Ok(once)
-        );
+        let again = surface_distance_between(&surface, &level, &count(500));
+        assert_eq!(again, Ok(once));
+        let back = directed_distance(&level, &surface, &count(500));
+        assert_eq!(back, Ok(once.b_to_a));
     }
 }
 

@@ -11,7 +11,7 @@ mod vertex_distance;
 pub use quality::{Quality, flipped, quality};
 pub use surface::Surface;
 pub use surface_distance::{
-    Distance, Samples, SurfaceDistance, SurfaceDistanceOptions, surface_distance,
-    surface_distance_between,
+    Distance, Samples, SurfaceDistance, SurfaceDistanceOptions, directed_distance,
+    surface_distance, surface_distance_between,
 };
 pub use vertex_distance::{vertex_distances, vertex_distances_to};

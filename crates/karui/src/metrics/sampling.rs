@@ -3,8 +3,10 @@
 //!
 //! Edge and face samples are stratified: the total length or area is cut into
 //! as many equal pieces as there are samples and every piece gets one, at a
-//! place hashed from its number. Within a face they follow the R2 sequence
-//! (Roberts 2018). A sample is a function of the surface, the count, the seed
+//! place hashed from its number. That says how many samples an edge or a face
+//! gets; on an edge they are spaced evenly, the ends left to the vertex samples
+//! (as MeshLab does it), within a face they follow the R2 sequence (Roberts
+//! 2018). A sample is a function of the surface, the count, the seed
 //! and its number alone, so any thread may compute any part.
 
 use super::surface::Surface;
@@ -63,11 +65,12 @@ impl<'a> Sampler<'a> {
         let surface = self.surface;
         match self.kind {
             Kind::Vertices => numbers.for_each(|k| visit(self.vertex(k as u32))),
-            Kind::Edges => self.strata(&surface.lengths, numbers, |_, edge, along| {
+            Kind::Edges => self.strata(&surface.lengths, numbers, |k, edge| {
                 let [p, q] = surface.edges[edge];
+                let along = self.spaced(&surface.lengths, k, edge);
                 visit(self.mixture([p, q, q], [1.0 - along, along, 0.0]));
             }),
-            Kind::Faces => self.strata(&surface.areas, numbers, |k, face, _| {
+            Kind::Faces => self.strata(&surface.areas, numbers, |k, face| {
                 visit(self.mixture(surface.triangles[face], barycentric(k, self.seed)));
             }),
         }
@@ -90,25 +93,48 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Calls `visit` with the number of every sample, the element it falls in
-    /// and how far along that element (0 to 1). `sums` are the measures of all
-    /// elements before each, and of all; the last is positive.
-    fn strata(&self, sums: &[f64], numbers: Range<u64>, mut visit: impl FnMut(u64, usize, f64)) {
+    /// Calls `visit` with the number of every sample and the element it falls
+    /// in. `sums` are the measures of all elements before each, and of all; the
+    /// last is positive.
+    fn strata(&self, sums: &[f64], numbers: Range<u64>, mut visit: impl FnMut(u64, usize)) {
         let Some((&total, starts)) = sums.split_last() else {
             return;
         };
-        let place = |k| (k as f64 + unit(hash(k, self.seed))) / self.count as f64 * total;
-        let start = place(numbers.start);
-        let mut element = starts.partition_point(|&s| s <= start).saturating_sub(1);
+        let first = self.place(numbers.start, total);
+        let mut element = starts.partition_point(|&s| s <= first).saturating_sub(1);
         for k in numbers {
-            let place = place(k);
+            let place = self.place(k, total);
             while element + 1 < starts.len() && sums[element + 1] <= place {
                 element += 1;
             }
-            let measure = sums[element + 1] - sums[element];
-            let along = ((place - sums[element]) / measure).clamp(0.0, 1.0);
-            visit(k, element, if along.is_nan() { 0.0 } else { along });
+            visit(k, element);
         }
+    }
+
+    /// Where sample `k` falls in `0..total`; grows with `k`.
+    fn place(&self, k: u64, total: f64) -> f64 {
+        (k as f64 + unit(hash(k, self.seed))) / self.count as f64 * total
+    }
+
+    /// How far along its element (0 to 1) sample `k` lies if those of an
+    /// element are spaced evenly between its ends.
+    fn spaced(&self, sums: &[f64], k: u64, element: usize) -> f64 {
+        let total = sums.last().copied().unwrap_or(0.0);
+        let first = self.first_from(sums[element], total).min(k);
+        let end = self.first_from(sums[element + 1], total).max(k + 1);
+        (k - first + 1) as f64 / (end - first + 1) as f64
+    }
+
+    /// The first sample not before `place`.
+    fn first_from(&self, place: f64, total: f64) -> u64 {
+        let mut k = ((place / total * self.count as f64) as u64).min(self.count);
+        while k > 0 && self.place(k - 1, total) >= place {
+            k -= 1;
+        }
+        while k < self.count && self.place(k, total) < place {
+            k += 1;
+        }
+        k
     }
 }
 
@@ -189,6 +215,16 @@ mod tests {
         let on_axis = points.iter().filter(|p| p.y == 0.0 && p.x <= 1.0).count();
         let wanted = 10_000.0 / total;
         assert!((on_axis as f64 - wanted).abs() <= 2.0, "{on_axis} {wanted}");
+    }
+
+    #[test]
+    fn samples_of_an_edge_are_evenly_inside() {
+        let mesh = TriMesh::new(vec![Vec3::ZERO, Vec3::X], vec![[0, 1, 1]]);
+        let points = points(&Surface::new(&mesh).unwrap(), Kind::Edges, 99);
+        let expected = (1..100).map(|i| f64::from(i) / 100.0);
+        for (p, x) in points.iter().zip(expected) {
+            assert!((p.x - x).abs() < 1e-15, "{p} is not {x}");
+        }
     }
 
     #[test]

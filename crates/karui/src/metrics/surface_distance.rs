@@ -146,6 +146,24 @@ pub fn surface_distance_between(
     })
 }
 
+/// One direction only: from samples of `from`, which stands for `a` in the
+/// options, to the surface `to`.
+///
+/// # Errors
+/// As [`surface_distance`].
+pub fn directed_distance(
+    from: &Surface,
+    to: &Surface,
+    options: &SurfaceDistanceOptions,
+) -> Result<Distance> {
+    let weights = options
+        .weights
+        .map(|w| checked_weights(from, w))
+        .transpose()?;
+    let mask = weights.as_deref().map_or(Mask::None, Mask::From);
+    one_way(from, to, mask, "measuring a to b", options)
+}
+
 /// Weights of the positions of `a`, from those of its vertices.
 fn checked_weights(a: &Surface, weights: &[f32]) -> Result<Vec<f32>> {
     if weights.len() != a.vertex_count() {

@@ -1,0 +1,79 @@
+//! Speed of surface distance on a mesh of 350 thousand triangles:
+//! `cargo bench -p karui --bench surface_distance`
+
+use divan::{Bencher, black_box, counter::ItemsCount};
+use karui::TriMesh;
+use karui::mesh::shapes;
+use karui::metrics::{
+    Samples, Surface, SurfaceDistanceOptions, directed_distance, surface_distance_between,
+    vertex_distances_to,
+};
+use karui::spatial::Bvh;
+
+fn main() {
+    divan::main();
+}
+
+/// 349,448 triangles.
+fn fine() -> TriMesh {
+    shapes::terrain(418, 418, 7)
+}
+
+/// The same surface with a tenth of the triangles.
+fn coarse() -> TriMesh {
+    shapes::terrain(132, 132, 7)
+}
+
+#[divan::bench(sample_count = 10)]
+fn build_bvh(bencher: Bencher) {
+    let mesh = fine();
+    let items = ItemsCount::new(mesh.triangles.len());
+    bencher
+        .counter(items)
+        .bench(|| Bvh::build(black_box(&mesh)));
+}
+
+#[divan::bench(sample_count = 10)]
+fn build_surface(bencher: Bencher) {
+    let mesh = fine();
+    let items = ItemsCount::new(mesh.triangles.len());
+    bencher
+        .counter(items)
+        .bench(|| Surface::new(black_box(&mesh)));
+}
+
+/// Samples of all kinds, both ways.
+#[divan::bench(sample_count = 10)]
+fn two_sided(bencher: Bencher) {
+    let [fine, coarse] = [fine(), coarse()].map(|mesh| Surface::new(&mesh).unwrap());
+    let options = SurfaceDistanceOptions::default();
+    let measure = || surface_distance_between(&fine, &coarse, &options).unwrap();
+    let d = measure();
+    let items = ItemsCount::new(d.a_to_b.samples + d.b_to_a.samples);
+    bencher.counter(items).bench(measure);
+}
+
+/// Samples of the coarse faces against the fine mesh.
+#[divan::bench(sample_count = 10)]
+fn faces_to_fine(bencher: Bencher) {
+    let [coarse, fine] = [coarse(), fine()].map(|mesh| Surface::new(&mesh).unwrap());
+    let options = SurfaceDistanceOptions {
+        samples: Samples::Count(1_000_000),
+        vertices: false,
+        edges: false,
+        ..Default::default()
+    };
+    let items = ItemsCount::new(1_000_000u64);
+    bencher
+        .counter(items)
+        .bench(|| directed_distance(&coarse, &fine, &options));
+}
+
+#[divan::bench(sample_count = 10)]
+fn vertex_map(bencher: Bencher) {
+    let (points, to) = (fine().positions, Bvh::build(&coarse()).unwrap());
+    let items = ItemsCount::new(points.len());
+    bencher
+        .counter(items)
+        .bench(|| vertex_distances_to(&points, &to));
+}
