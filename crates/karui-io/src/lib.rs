@@ -15,7 +15,6 @@ mod atomic;
 mod color;
 mod error;
 mod format;
-#[allow(dead_code, reason = "the writer of glTF lands next")]
 mod gltf;
 mod number;
 mod obj;
@@ -32,6 +31,7 @@ pub use atomic::Written;
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use ply::PlyEncoding;
+pub use gltf::GltfOptions;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
 pub use warnings::Warnings;
 pub use write::{WriteOptions, write, write_with};

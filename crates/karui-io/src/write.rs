@@ -1,10 +1,11 @@
 //! Writing a scene in any format.
 
 use crate::{
-    Format,
+    Format, GltfOptions,
     atomic::{Sink, Transaction, Written},
-    error::{Error, ErrorKind, Result},
+    error::{Error, Result},
     format::is_gz,
+    gltf,
     obj, off,
     ply::{self, PlyEncoding},
     stl,
@@ -20,6 +21,8 @@ pub struct WriteOptions {
     pub ply: PlyEncoding,
     /// STL as text instead of binary. Default `false`.
     pub stl_ascii: bool,
+    /// How glTF and GLB are written.
+    pub gltf: GltfOptions,
 }
 
 /// Writes a scene in the format its name asks for; a final `.gz` compresses.
@@ -73,10 +76,7 @@ fn write_format(
             let mesh = single_mesh(scene)?;
             write_file(files, path, |sink| off::write(sink, &mesh))
         }
-        Format::Gltf | Format::Glb => {
-            let kind = ErrorKind::unsupported(format!("writing {format}"));
-            Err(Error::file("", kind))
-        }
+        Format::Gltf | Format::Glb => gltf::write(files, path, scene, &options.gltf, format),
     }
 }
 

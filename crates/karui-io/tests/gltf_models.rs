@@ -1,5 +1,6 @@
 //! Real glTF models: what is read agrees with the counts of `MANIFEST.tsv`,
 //! which other tools made.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "it is a test")]
 
 use std::{
     fs,

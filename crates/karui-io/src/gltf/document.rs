@@ -20,6 +20,7 @@ pub(super) struct Document {
     pub json: Value,
     buffers: Vec<Vec<u8>>,
     views: Vec<View>,
+    size: usize,
 }
 
 struct View {
@@ -52,6 +53,7 @@ impl Document {
             json,
             buffers,
             views: Vec::new(),
+            size: bytes,
         };
         document.load_views(&budget)?;
         Ok((document, budget))
@@ -106,6 +108,11 @@ impl Document {
                 Err(at.fail(ErrorKind::truncated(expected, found)))
             }
         }
+    }
+
+    /// Bytes of all buffers as they were read.
+    pub fn size(&self) -> usize {
+        self.size
     }
 
     /// Number of buffer views.

@@ -16,14 +16,23 @@ mod lod;
 mod material;
 mod meshopt;
 mod node;
+mod origin;
 mod pack;
 mod primitive;
+mod quantize;
 mod read;
 mod read_mesh;
 mod references;
 mod uri;
+mod write;
+mod write_image;
+mod write_mesh;
+mod write_node;
+mod write_vertices;
 
 pub(crate) use read::read;
+pub use write::GltfOptions;
+pub(crate) use write::write;
 
 /// What a scene read from glTF carries for the writer.
 struct GltfSource {

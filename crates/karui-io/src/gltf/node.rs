@@ -141,6 +141,29 @@ pub(super) fn roots(json: &Value, nodes: &[Node]) -> Result<Vec<u32>> {
         .collect())
 }
 
+/// Extensions that name an image of a media type that the core format does
+/// not allow as a texture's `source`.
+pub(super) const IMAGE_TYPES: [(&str, &str); 3] = [
+    ("image/ktx2", "KHR_texture_basisu"),
+    ("image/webp", "EXT_texture_webp"),
+    ("image/vnd-ms.dds", "MSFT_texture_dds"),
+];
+
+/// Index of a texture's image: the one any viewer understands or else the one
+/// an extension names.
+fn image_of(raw: &Value, images: usize, at: &At<'_>) -> Result<Option<usize>> {
+    if let Some(image) = json::index(raw, "source", images, "image", at)? {
+        return Ok(Some(image));
+    }
+    let at = at.key("extensions");
+    for (_, name) in IMAGE_TYPES {
+        if let Some(extension) = json::extension(raw, name) {
+            return json::index(extension, "source", images, "image", &at.key(name));
+        }
+    }
+    Ok(None)
+}
+
 /// Reads a texture together with its sampler.
 pub(super) fn read_texture(raw: &Value, json: &Value, at: &At<'_>) -> Result<Texture> {
     let samplers = json::array(json, "samplers", &ROOT)?;
@@ -148,7 +171,7 @@ pub(super) fn read_texture(raw: &Value, json: &Value, at: &At<'_>) -> Result<Tex
     let none = Value::Null;
     let sampler = sampler.map_or(&none, |s| &samplers[s]);
     let images = json::count(json, "images");
-    let image = json::index(raw, "source", images, "image", at)?;
+    let image = image_of(raw, images, at)?;
     let wrap = |key| match sampler.get(key).and_then(Value::as_u64) {
         Some(33071) => Wrap::Clamp,
         Some(33648) => Wrap::Mirror,

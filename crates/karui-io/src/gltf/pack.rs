@@ -78,7 +78,6 @@ pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 impl Packer {
     /// Adds an array; returns the index of its accessor.
     pub fn push(&mut self, array: Array, usage: Use) -> usize {
-        let stride = (usage == Use::Vertices).then_some(array.stride);
         let mut accessor = json!({
             "bufferView": self.views.len(),
             "componentType": array.component.code(),
@@ -95,7 +94,7 @@ impl Packer {
         self.views.push(View {
             json: json!({}),
             bytes: array.bytes,
-            stride,
+            stride: Some(array.stride),
             usage,
         });
         self.accessors.push(accessor);
@@ -167,7 +166,7 @@ impl View {
             return None;
         }
         let (mode, stride, bytes) = match self.usage {
-            Use::Vertices => {
+            Use::Vertices | Use::Other => {
                 let stride = self.stride.filter(|s| s.is_multiple_of(4) && *s <= 256)?;
                 (
                     "ATTRIBUTES",
@@ -184,7 +183,6 @@ impl View {
                     ("INDICES", size, meshopt::encode_sequence(&indices))
                 }
             }
-            Use::Other => return None,
         };
         Some(Coded {
             bytes,
