@@ -5,8 +5,7 @@ use crate::{
     atomic::{Sink, Transaction, Written},
     error::{Error, Result},
     format::is_gz,
-    gltf,
-    obj, off,
+    gltf, obj, off,
     ply::{self, PlyEncoding},
     stl,
 };
