@@ -25,6 +25,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<PolyMesh> {
     let mut mesh = PolyMesh::default();
     read_vertices(&mut tokens, header, vertices, &mut mesh, source)?;
     read_faces(&mut tokens, faces, &mut mesh, &mut source.warnings)?;
+    end(&mut tokens, &mesh, &mut source.warnings)?;
     Ok(mesh)
 }
 
@@ -93,6 +94,23 @@ fn read_vertices(
     if header.color {
         mesh.attributes.colors.push(colors.into_vertex_colors());
     }
+    Ok(())
+}
+
+/// What follows the last face is passed over, unless there was nothing before
+/// it: then the counts are wrong.
+fn end(tokens: &mut Tokens<'_>, mesh: &PolyMesh, warnings: &mut Warnings) -> Result<()> {
+    let Some(word) = tokens.next() else {
+        return Ok(());
+    };
+    if mesh.positions.is_empty() {
+        let expected = "the number of vertices and faces that follow";
+        return Err(tokens.fail(ErrorKind::syntax(
+            expected,
+            format!("0, then {}", quote(word)),
+        )));
+    }
+    warnings.push("what follows the last face was passed over");
     Ok(())
 }
 
