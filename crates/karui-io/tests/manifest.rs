@@ -72,14 +72,14 @@ fn rows(manifest: &str) -> Vec<(String, Counts)> {
 }
 
 fn counts(mesh: &TriMesh) -> Counts {
-    Counts::of(&diagnose(mesh).unwrap())
+    Counts::of(&diagnose(mesh).expect("valid indices"))
 }
 
 /// All meshes of a model laid over one another, without the placement that a
 /// scene gives them: that is what the other program counted.
 fn as_read(path: &Path) -> Counts {
     let mut all = TriMesh::default();
-    for mesh in karui_io::read(path).unwrap().meshes {
+    for mesh in karui_io::read(path).expect("readable").meshes {
         let first = all.positions.len() as u32;
         let shifted = mesh.mesh.triangles.iter().map(|t| t.map(|v| v + first));
         all.triangles.extend(shifted);
@@ -90,7 +90,7 @@ fn as_read(path: &Path) -> Counts {
 
 /// Polygons cut into fans, as the other program does, not into ears.
 fn as_fans(path: &Path) -> Counts {
-    let polygons = karui_io::read_poly(path).unwrap();
+    let polygons = karui_io::read_poly(path).expect("readable");
     let fan = |face: &[u32]| -> Vec<[u32; 3]> {
         face[1..]
             .windows(2)
