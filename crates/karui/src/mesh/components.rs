@@ -54,12 +54,11 @@ impl Components {
                 found,
             });
         }
-        if let Some(index) = self
-            .of_triangle
-            .iter()
-            .position(|&c| c as usize >= self.count)
-        {
-            let rule = "components lie below their count";
+        let is_bad = |&c: &u32| c as usize >= self.count;
+        let index = self.of_triangle.iter().position(is_bad);
+        if index.is_some() || self.count > found {
+            let rule = "components are numbered below their count";
+            let index = index.unwrap_or(self.count);
             return Err(Error::Broken { rule, index });
         }
         let (starts, triangles) = self.groups();

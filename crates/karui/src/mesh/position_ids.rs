@@ -56,6 +56,13 @@ impl PositionIds {
                 found,
             });
         }
+        if self.count > found {
+            let rule = "there are no more position ids than vertices";
+            return Err(Error::Broken {
+                rule,
+                index: self.count,
+            });
+        }
         let is_bad = |&id: &u32| id as usize >= self.count;
         if let Some(index) = self.of_vertex.par_iter().position_first(is_bad) {
             let rule = "position ids lie below their count";
@@ -214,6 +221,19 @@ mod tests {
         assert_eq!(ids.count, 3);
         assert_eq!(ids.first_vertices(), [0, 1, 4]);
         assert_eq!(ids.groups(), (vec![0, 2, 4, 5], vec![0, 2, 1, 3, 4]));
+    }
+
+    #[test]
+    fn foreign_ids_are_errors() {
+        let mesh = shapes::triangle();
+        let ids = |of_vertex: &[u32], count| PositionIds {
+            of_vertex: of_vertex.to_vec(),
+            count,
+        };
+        ids(&[0, 1, 1], 2).validate_for(&mesh).unwrap();
+        for (of_vertex, count) in [(&[0, 1][..], 2), (&[0, 1, 2], 2), (&[0, 1, 2], usize::MAX)] {
+            assert!(ids(of_vertex, count).validate_for(&mesh).is_err());
+        }
     }
 
     #[test]

@@ -123,14 +123,8 @@ fn all_differ(corners: &[u32]) -> bool {
 }
 
 fn build(mesh: &impl Corners, faces: usize, vertices: usize) -> Result<Halfedge> {
-    let limit = u32::MAX as usize / 2;
-    if mesh.len() > limit {
-        return Err(Error::TooLarge {
-            what: "face corners",
-            found: mesh.len(),
-            limit,
-        });
-    }
+    at_most(u32::MAX as usize / 2, "face corners", mesh.len())?;
+    at_most(u32::MAX as usize, "vertices", vertices)?;
     let edges = EdgeTable::new(mesh, vertices);
     let (mut topology, half_of_corner) = number_halves(mesh, &edges)?;
     topology.of_face = vec![NONE; faces];
@@ -147,6 +141,13 @@ fn build(mesh: &impl Corners, faces: usize, vertices: usize) -> Result<Halfedge>
     topology.link_boundary()?;
     topology.check_fans()?;
     Ok(topology)
+}
+
+fn at_most(limit: usize, what: &'static str, found: usize) -> Result<()> {
+    if found > limit {
+        return Err(Error::TooLarge { what, found, limit });
+    }
+    Ok(())
 }
 
 /// Gives every edge its two numbers; also returns the half of every corner.
@@ -309,6 +310,18 @@ mod tests {
                 .len(),
             2
         );
+    }
+
+    #[test]
+    fn more_vertices_than_ids_are_an_error() {
+        let error = Halfedge::new(&[[0, 1, 2]], usize::MAX).unwrap_err();
+        assert!(matches!(
+            error,
+            Error::TooLarge {
+                what: "vertices",
+                ..
+            }
+        ));
     }
 
     #[test]
