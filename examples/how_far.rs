@@ -3,6 +3,8 @@
 //! `cargo run --release --example how_far -- A B [SAMPLES]` measures two files;
 //! without them, a terrain and the same terrain with a tenth of the triangles.
 
+#![allow(clippy::print_stdout, reason = "an example shows its results")]
+
 use karui::mesh::shapes;
 use karui::metrics::{Samples, SurfaceDistanceOptions, surface_distance, vertex_distances};
 use std::error::Error;

@@ -45,9 +45,9 @@ fn build_surface(bencher: Bencher) {
 /// Samples of all kinds, both ways.
 #[divan::bench(sample_count = 10)]
 fn two_sided(bencher: Bencher) {
-    let [fine, coarse] = [fine(), coarse()].map(|mesh| Surface::new(&mesh).unwrap());
+    let [fine, coarse] = [fine(), coarse()].map(|mesh| Surface::new(&mesh).expect("a sound mesh"));
     let options = SurfaceDistanceOptions::default();
-    let measure = || surface_distance_between(&fine, &coarse, &options).unwrap();
+    let measure = || surface_distance_between(&fine, &coarse, &options).expect("a sound mesh");
     let d = measure();
     let items = ItemsCount::new(d.a_to_b.samples + d.b_to_a.samples);
     bencher.counter(items).bench(measure);
@@ -56,7 +56,7 @@ fn two_sided(bencher: Bencher) {
 /// Samples of the coarse faces against the fine mesh.
 #[divan::bench(sample_count = 10)]
 fn faces_to_fine(bencher: Bencher) {
-    let [coarse, fine] = [coarse(), fine()].map(|mesh| Surface::new(&mesh).unwrap());
+    let [coarse, fine] = [coarse(), fine()].map(|mesh| Surface::new(&mesh).expect("a sound mesh"));
     let options = SurfaceDistanceOptions {
         samples: Samples::Count(1_000_000),
         vertices: false,
@@ -71,7 +71,10 @@ fn faces_to_fine(bencher: Bencher) {
 
 #[divan::bench(sample_count = 10)]
 fn vertex_map(bencher: Bencher) {
-    let (points, to) = (fine().positions, Bvh::build(&coarse()).unwrap());
+    let (points, to) = (
+        fine().positions,
+        Bvh::build(&coarse()).expect("a sound mesh"),
+    );
     let items = ItemsCount::new(points.len());
     bencher
         .counter(items)
