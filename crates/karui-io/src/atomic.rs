@@ -35,6 +35,8 @@ pub struct Written {
     pub files: Vec<PathBuf>,
     /// Their size in total.
     pub bytes: u64,
+    /// What the format could not hold and was left out, e.g. `materials`.
+    pub lost: Vec<String>,
 }
 
 /// The stream a writer fills.

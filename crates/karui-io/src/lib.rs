@@ -7,6 +7,19 @@
 //! # Ok::<(), karui_io::Error>(())
 //! ```
 //!
+//! | | normals | UV sets | colours | materials | custom, vertex | custom, face | polygons |
+//! |-|-|-|-|-|-|-|-|
+//! | OBJ | yes | 1 | 1 | yes | no | no | read |
+//! | PLY | yes | 8 | 8 | no | yes | yes | read |
+//! | OFF | yes | 1 | 1 | no | no | colour | read |
+//! | STL | no | 0 | 0 | no | no | `stl_attribute` | no |
+//!
+//! Texture coordinates grow downwards in memory, as in glTF, and upwards in
+//! OBJ, PLY and OFF; they are turned on the way. Colours in those files are
+//! taken as they are, a byte c as c / 255, and so are written back exactly.
+//! Scenes are baked into one mesh in world space where a format has no nodes;
+//! [`Written::lost`] tells what a format could not hold.
+//!
 //! Readers never panic and reserve no memory on the word of a header; every
 //! error names the file, the place and what was expected there. Writers leave
 //! either every file complete or none at all.
@@ -16,6 +29,7 @@ mod color;
 mod error;
 mod format;
 mod gltf;
+mod lost;
 mod number;
 mod obj;
 mod off;

@@ -5,7 +5,9 @@ use crate::{
     atomic::{Sink, Transaction, Written},
     error::{Error, Result},
     format::is_gz,
-    gltf, obj, off,
+    gltf,
+    lost::lost,
+    obj, off,
     ply::{self, PlyEncoding},
     stl,
 };
@@ -29,9 +31,9 @@ pub struct WriteOptions {
 /// it. Either every file is complete or none is there.
 ///
 /// # Errors
-/// [`UnknownFormat`](crate::ErrorKind::UnknownFormat) for an unknown extension, [`Io`](crate::ErrorKind::Io)
-/// if the files cannot be written, [`Geometry`](crate::ErrorKind::Geometry) if the scene is not
-/// valid.
+/// [`UnknownFormat`](crate::ErrorKind::UnknownFormat) for an unknown extension,
+/// [`Io`](crate::ErrorKind::Io) if the files cannot be written,
+/// [`Geometry`](crate::ErrorKind::Geometry) if the scene is not valid.
 pub fn write(path: impl AsRef<Path>, scene: &Scene) -> Result<()> {
     write_with(path, scene, &WriteOptions::default()).map(drop)
 }
@@ -49,7 +51,9 @@ pub fn write_with(
     let format = Format::from_path(path)?;
     let mut files = Transaction::default();
     write_format(format, &mut files, path, scene, options).map_err(|e| e.in_file(path))?;
-    files.commit()
+    let mut written = files.commit()?;
+    written.lost = lost(format, scene);
+    Ok(written)
 }
 
 fn write_format(

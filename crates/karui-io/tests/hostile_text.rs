@@ -129,7 +129,7 @@ fn obj_in_bulk_is_quick() {
     text += &"\n".repeat(100_000);
     read_bytes(Format::Obj, text.as_bytes(), "x").unwrap();
     assert!(
-        start.elapsed() < Duration::from_secs(1),
+        start.elapsed() < Duration::from_secs(5),
         "{:?}",
         start.elapsed()
     );
@@ -443,7 +443,7 @@ fn bombs() {
         let error = read(&path).map(drop).unwrap_err();
         assert_eq!(kind(&error), Kind::TooLarge, "{error}");
         assert!(
-            start.elapsed() < Duration::from_secs(1),
+            start.elapsed() < Duration::from_secs(3),
             "{:?}",
             start.elapsed()
         );
@@ -512,8 +512,7 @@ fn any_cut_and_any_changed_byte() {
                 let mut changed = sample.clone();
                 changed[at] = byte;
                 if let Ok(loaded) = read_bytes(format, &changed, "x") {
-                    let mesh = loaded.scene.into_single_mesh().unwrap();
-                    mesh.validate().unwrap();
+                    loaded.scene.validate().unwrap();
                 }
             }
         }

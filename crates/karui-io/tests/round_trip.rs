@@ -384,6 +384,27 @@ fn damaged_scenes_are_not_written() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// Non-manifold, one-sided, degenerate: no writer minds.
+#[test]
+fn the_zoo() {
+    for (name, mesh) in karui::mesh::shapes::zoo() {
+        for encoding in ENCODINGS {
+            let mut held = mesh.clone();
+            held.attributes.skins.clear();
+            held.attributes.morphs.clear();
+            held.ranges.clear();
+            let back = through("a.ply", &mesh, &ply_options(encoding));
+            assert_eq!(format!("{back:?}"), format!("{held:?}"), "{name}");
+        }
+        let back = through("a.obj", &mesh, &WriteOptions::default());
+        assert_eq!(corners(&back), corners(&mesh), "{name}");
+        for file in ["a.off", "a.stl"] {
+            let back = through(file, &mesh, &WriteOptions::default());
+            assert_eq!(back.triangles.len(), mesh.triangles.len(), "{name}");
+        }
+    }
+}
+
 #[test]
 fn same_bytes_every_time() {
     let folder = tempfile::tempdir().unwrap();

@@ -8,31 +8,48 @@
 use super::Library;
 use crate::{
     error::{ErrorKind, Result},
-    source::Source,
+    source::{Source, relative_path},
     text::{Lines, Words, float, name, parse},
 };
 use karui::{
     geom::{Vec2, Vec3},
     mesh::{AlphaMode, Image, ImageData, Material, Texture, TextureRef, UvTransform, Wrap},
 };
-use std::collections::HashMap;
+use std::{collections::HashMap, path::PathBuf};
 
 /// Materials accepted from one library.
 const MOST: usize = 1 << 20;
 
-/// Adds the materials of the library `uri`; warns if it is not there.
-pub(super) fn read_library(uri: &str, source: &mut Source<'_>, to: &mut Library) -> Result<()> {
-    let bytes = match source.companion(uri) {
-        Ok(Some(bytes)) => bytes,
-        Ok(None) => {
-            source
-                .warnings
-                .push(format!("material library `{uri}` was not found"));
+/// Adds the materials of the libraries named by one `mtllib` statement: one
+/// file whose name may hold blanks, or else several names. Warns of what is
+/// not there or not understood; the geometry needs none of it.
+pub(super) fn read_libraries(uri: &str, source: &mut Source<'_>, to: &mut Library) -> Result<()> {
+    if read_library(uri, source, to)? {
+        return Ok(());
+    }
+    let words: Vec<&str> = uri.split_whitespace().collect();
+    if words.len() > 1 {
+        let mut found = false;
+        for word in words {
+            found |= read_library(word, source, to)?;
+        }
+        if found {
             return Ok(());
         }
+    }
+    let message = format!("material library `{uri}` was not found");
+    source.warnings.push(message);
+    Ok(())
+}
+
+/// Adds the materials of the library `uri`; `false` if there is no such file.
+fn read_library(uri: &str, source: &mut Source<'_>, to: &mut Library) -> Result<bool> {
+    let bytes = match source.companion(uri) {
+        Ok(Some(bytes)) => bytes,
+        Ok(None) => return Ok(false),
         Err(error) => {
             source.warnings.push(error.to_string());
-            return Ok(());
+            return Ok(true);
         }
     };
     let mut reader = Reader {
@@ -44,10 +61,13 @@ pub(super) fn read_library(uri: &str, source: &mut Source<'_>, to: &mut Library)
     };
     let mut lines = Lines::new(&bytes);
     while let Some(line) = lines.next() {
-        let fail = |kind| lines.fail(kind).in_file(uri);
-        reader.line(line).map_err(fail)?;
+        if let Err(kind) = reader.line(line) {
+            let error = lines.fail(kind).in_file(uri);
+            reader.source.warnings.push(error.to_string());
+        }
+        reader.limit().map_err(|k| lines.fail(k).in_file(uri))?;
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Index in the library of every name in use; materials that no library holds
@@ -90,8 +110,8 @@ struct Reader<'a, 'b> {
     source: &'a mut Source<'b>,
     to: &'a mut Library,
     uri: &'a str,
-    /// Image of every file name met.
-    images: HashMap<String, u32>,
+    /// Image of every file met.
+    images: HashMap<PathBuf, u32>,
     /// Whether the current material has said `Pr`.
     has_roughness: bool,
 }
@@ -112,7 +132,7 @@ impl Reader<'_, '_> {
         if word == b"newmtl" {
             self.has_roughness = false;
             self.to.materials.push(plain(name(words.rest())));
-            return self.limit();
+            return Ok(());
         }
         if self.to.materials.is_empty() {
             return Ok(());
@@ -273,10 +293,12 @@ impl Reader<'_, '_> {
     }
 
     fn image(&mut self, file: &str) -> u32 {
-        if let Some(&image) = self.images.get(file) {
+        let uri = beside(self.uri, file);
+        // However a path is spelt, the file is read once.
+        let key = relative_path(&uri).map_or_else(|| uri.clone().into(), |p| p);
+        if let Some(&image) = self.images.get(&key) {
             return image;
         }
-        let uri = beside(self.uri, file);
         let data = match self.source.companion(&uri) {
             Ok(Some(bytes)) => ImageData::Bytes {
                 bytes: bytes.into(),
@@ -298,7 +320,7 @@ impl Reader<'_, '_> {
             mime: mime(file).into(),
             data,
         });
-        self.images.insert(file.to_owned(), image);
+        self.images.insert(key, image);
         image
     }
 }
@@ -307,7 +329,7 @@ impl Reader<'_, '_> {
 fn beside(library: &str, file: &str) -> String {
     let library = library.replace('\\', "/");
     match library.rsplit_once('/') {
-        Some((folder, _)) if crate::source::relative_path(file).is_some() => {
+        Some((folder, _)) if relative_path(file).is_some() => {
             format!("{folder}/{file}")
         }
         _ => file.to_owned(),

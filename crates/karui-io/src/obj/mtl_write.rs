@@ -61,7 +61,9 @@ pub(super) fn image_files<'a>(scene: &'a Scene, model: &Path) -> (Vec<String>, V
             _ => name,
         }
     });
-    let names = unique_files(wanted);
+    let model = model.file_name().unwrap_or_default().to_string_lossy();
+    let taken = [model.into_owned(), format!("{stem}.mtl")];
+    let names = unique_files(wanted, taken);
     let mut companions = Vec::new();
     for (image, name) in scene.images.iter().zip(&names) {
         if let ImageData::Bytes { bytes, .. } = &image.data {
@@ -72,9 +74,10 @@ pub(super) fn image_files<'a>(scene: &'a Scene, model: &Path) -> (Vec<String>, V
     (names, companions)
 }
 
-fn unique_files(names: impl Iterator<Item = String>) -> Vec<String> {
+/// The names, made different from each other and from those taken.
+fn unique_files(names: impl Iterator<Item = String>, taken: [String; 2]) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = std::collections::BTreeSet::from(taken);
     for (i, name) in names.enumerate() {
         let name = if seen.contains(&name) {
             format!("{i}-{name}")

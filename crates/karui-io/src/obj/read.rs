@@ -52,6 +52,9 @@ fn joined<'a>(line: &'a [u8], lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
     Cow::Owned(whole)
 }
 
+/// Material libraries read; real files name one.
+const MOST_LIBRARIES: usize = 1000;
+
 /// What has been read so far.
 #[derive(Default)]
 struct State {
@@ -88,7 +91,7 @@ impl State {
             Some(b"f" | b"fo") => self.face(words, number),
             Some(b"usemtl") => self.use_material(words.rest()),
             Some(b"mtllib") => {
-                self.libraries.push(name(words.rest()));
+                self.add_library(name(words.rest()));
                 Ok(())
             }
             Some(b"o") => {
@@ -228,6 +231,17 @@ impl State {
         }
     }
 
+    fn add_library(&mut self, uri: String) {
+        if self.libraries.contains(&uri) {
+            return;
+        }
+        if self.libraries.len() < MOST_LIBRARIES {
+            self.libraries.push(uri);
+        } else {
+            self.warn("material libraries beyond the first thousand were passed over");
+        }
+    }
+
     fn use_material(&mut self, title: &[u8]) -> Result<(), ErrorKind> {
         if let Some(&id) = self.material_ids.get(title) {
             self.material = Some(id);
@@ -271,7 +285,7 @@ impl State {
         }
         let mut library = Library::default();
         for uri in &self.libraries {
-            mtl_read::read_library(uri, source, &mut library)?;
+            mtl_read::read_libraries(uri, source, &mut library)?;
         }
         let materials = mtl_read::resolve(&self.materials, source, &mut library);
         let colors = scaled(std::mem::take(&mut self.colors), self.positions.len());

@@ -17,4 +17,5 @@ mod write;
 pub use write::PlyEncoding;
 
 pub(crate) use read::read;
+pub(crate) use vertices::SETS;
 pub(crate) use write::write;

@@ -31,7 +31,7 @@ const COLOR_NAMES: [[&str; 4]; 3] = [
 ];
 
 /// Sets of texture coordinates and of colours that are looked for.
-const SETS: usize = 8;
+pub(crate) const SETS: usize = 8;
 
 /// Positions and attributes.
 pub(super) fn build(

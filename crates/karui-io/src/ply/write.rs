@@ -1,5 +1,6 @@
 //! Writing PLY.
 
+use super::SETS;
 use crate::{
     atomic::Sink,
     color::{self, Layout},
@@ -108,7 +109,7 @@ fn vertex_columns(mesh: &TriMesh) -> Vec<Column<'_>> {
             tangents[v][i]
         });
     }
-    for (set, uvs) in a.uvs.iter().enumerate() {
+    for (set, uvs) in a.uvs.iter().take(SETS).enumerate() {
         push_floats(&mut columns, [numbered("s", set)], |v, _| uvs[v].x);
         // Double precision only where turning would lose something.
         let exact = |v: f32| unflip(f64::from(flip(v) as f32)) == v;
@@ -119,7 +120,7 @@ fn vertex_columns(mesh: &TriMesh) -> Vec<Column<'_>> {
             column(name, "double", |v| Value::F64(flip(uvs[v].y)))
         });
     }
-    for (set, colors) in a.colors.iter().enumerate() {
+    for (set, colors) in a.colors.iter().take(SETS).enumerate() {
         let layout = Layout::of(colors);
         let names = ["red", "green", "blue", "alpha"];
         for (i, name) in names[..layout.components()].iter().enumerate() {

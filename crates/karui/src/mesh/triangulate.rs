@@ -15,6 +15,15 @@ impl PolyMesh {
     /// over; larger polygons are cut in the plane of their Newell normal.
     #[must_use]
     pub fn triangulate(self) -> TriMesh {
+        if self.face_materials.is_empty() && self.is_triangles() {
+            return TriMesh {
+                triangles: self.indices.as_chunks::<3>().0.to_vec(),
+                positions: self.positions,
+                attributes: self.attributes,
+                face_attributes: self.face_attributes,
+                ranges: Vec::new(),
+            };
+        }
         let (mut triangles, mut face_of) = self.cut_faces();
         let ranges = self.group_by_material(&mut triangles, &mut face_of);
         TriMesh {
@@ -24,6 +33,11 @@ impl PolyMesh {
             attributes: self.attributes,
             ranges,
         }
+    }
+
+    fn is_triangles(&self) -> bool {
+        let in_step = |(f, &offset): (usize, &u32)| offset as usize == 3 * f;
+        self.indices.len() == 3 * self.face_count() && self.offsets.iter().enumerate().all(in_step)
     }
 
     /// All triangles in face order, and the face of each if a face attribute
