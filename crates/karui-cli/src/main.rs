@@ -1,3 +1,30 @@
 //! The `karui` command line.
 
-fn main() {}
+mod args;
+mod commands;
+mod console;
+mod explain;
+mod failure;
+mod heat;
+mod input;
+mod output;
+mod progress;
+#[cfg(test)]
+mod reference;
+mod table;
+mod weights;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = args::Cli::parse();
+    let console = console::Console::new(&args.global);
+    let outcome = console
+        .prepare(&args.global)
+        .and_then(|()| commands::run(args.command, &console));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::report(&error),
+    }
+}

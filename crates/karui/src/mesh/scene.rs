@@ -1,6 +1,7 @@
 //! What a file holds: meshes, materials and where they stand.
 
 use super::{Image, Material, Texture, TriMesh};
+use crate::geom::Aabb;
 use glam::{Mat4, Quat, Vec3};
 use std::{any::Any, fmt, sync::Arc};
 
@@ -117,6 +118,12 @@ impl Attachment {
         Self(Some(Arc::new(data)))
     }
 
+    /// Whether there is no data.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+
     /// The data, if there is any and it is a `T`.
     #[must_use]
     pub fn get<T: Any>(&self) -> Option<&T> {
@@ -160,6 +167,38 @@ impl Scene {
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|m| m.mesh.triangles.len()).sum()
+    }
+
+    /// Box around all placed meshes in the world's space; skins, which would
+    /// move their meshes, are left aside.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        let placed = self.instances();
+        let corners = placed.iter().flat_map(|&(n, world_from_mesh)| {
+            let mesh = self.nodes[n as usize].mesh;
+            let mesh = mesh.and_then(|m| self.meshes.get(m as usize));
+            let positions = mesh.map_or(&[][..], |m| &m.mesh.positions);
+            positions
+                .iter()
+                .map(move |&p| world_from_mesh.transform_point3(p))
+        });
+        Aabb::of(corners)
+    }
+
+    /// For every node, whether it is a stand-in of another ([`Node::lods`]) or
+    /// lies below one.
+    #[must_use]
+    pub fn stand_ins(&self) -> Vec<bool> {
+        let mut found = vec![false; self.nodes.len()];
+        let links = self.nodes.iter().filter_map(|n| n.lods.as_ref());
+        let mut stack: Vec<u32> = links.flat_map(|l| l.nodes.iter().copied()).collect();
+        while let Some(n) = stack.pop() {
+            if let Some(seen @ false) = found.get_mut(n as usize) {
+                *seen = true;
+                stack.extend(&self.nodes[n as usize].children);
+            }
+        }
+        found
     }
 
     /// Every placed mesh: node index and the matrix that takes the mesh's

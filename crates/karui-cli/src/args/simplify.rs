@@ -1,0 +1,101 @@
+//! How triangles are removed; the same for every command that does.
+
+use clap::ValueEnum;
+use karui::simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions};
+
+/// How triangles are removed.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Simplification")]
+pub struct SimplifyArgs {
+    /// What happens to open borders
+    #[arg(long, value_enum, default_value_t = BorderArg::Preserve)]
+    border: BorderArg,
+    /// Leave open borders untouched (short for --border lock)
+    #[arg(long, conflicts_with = "border")]
+    lock_border: bool,
+    /// Keep more detail where this is larger than 1: a vertex attribute of the model (a custom
+    /// name, or a colour channel such as COLOR_0.r) or a text file with one number a vertex
+    #[arg(long, value_name = "ATTR|FILE")]
+    pub weights: Option<String>,
+    /// Where new vertices may lie
+    #[arg(long, value_enum, default_value_t = PlacementArg::Optimal)]
+    placement: PlacementArg,
+    /// What a collapse costs
+    #[arg(long, value_enum, default_value_t = CostArg::Memoryless)]
+    cost: CostArg,
+    /// Influence of normals; 1 is neutral, 0 is none
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    normal_weight: f64,
+    /// Influence of texture coordinates
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    uv_weight: f64,
+    /// Influence of vertex colours
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    color_weight: f64,
+    /// Influence of skin weights
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    skin_weight: f64,
+    /// Join parts closer than this, in model units; parts may fuse and holes close
+    #[arg(long, value_name = "DISTANCE")]
+    pairs: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum BorderArg {
+    /// Simplified along themselves, held in place
+    Preserve,
+    /// Not touched
+    Lock,
+    /// Not held
+    Free,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum PlacementArg {
+    /// Where the error is least
+    Optimal,
+    /// On vertices of the input
+    HalfEdge,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum CostArg {
+    /// Distance to the surface as it is now, volume kept; closest on average
+    Memoryless,
+    /// Distance to all planes met so far
+    Accumulated,
+}
+
+impl SimplifyArgs {
+    /// As the library wants it; stop, weights and progress are left open.
+    pub fn resolve(&self) -> SimplifyOptions<'static> {
+        SimplifyOptions {
+            placement: match self.placement {
+                PlacementArg::Optimal => Placement::Optimal,
+                PlacementArg::HalfEdge => Placement::HalfEdge,
+            },
+            cost: match self.cost {
+                CostArg::Memoryless => Cost::Memoryless,
+                CostArg::Accumulated => Cost::Accumulated,
+            },
+            border: self.border(),
+            attributes: AttributeWeights {
+                normal: self.normal_weight,
+                uv: self.uv_weight,
+                color: self.color_weight,
+                skin: self.skin_weight,
+            },
+            pairs: self.pairs,
+            ..SimplifyOptions::default()
+        }
+    }
+
+    fn border(&self) -> Border {
+        match self.border {
+            _ if self.lock_border => Border::Lock,
+            BorderArg::Preserve => Border::Preserve,
+            BorderArg::Lock => Border::Lock,
+            BorderArg::Free => Border::Free,
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The commands, one file each.
+
+mod bench;
+mod completions;
+mod convert;
+mod info;
+mod lod;
+mod man;
+mod measure;
+mod simplify;
+mod validate;
+
+use crate::console::Console;
+use anyhow::Result;
+use clap::Subcommand;
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Lod(lod::Args),
+    Simplify(simplify::Args),
+    Info(info::Args),
+    Measure(measure::Args),
+    Validate(validate::Args),
+    Convert(convert::Args),
+    Bench(bench::Args),
+    Completions(completions::Args),
+    Man(man::Args),
+}
+
+/// Runs `command`.
+pub fn run(command: Command, console: &Console) -> Result<()> {
+    match command {
+        Command::Lod(args) => lod::run(&args, console),
+        Command::Simplify(args) => simplify::run(&args, console),
+        Command::Info(args) => info::run(&args, console),
+        Command::Measure(args) => measure::run(&args, console),
+        Command::Validate(args) => validate::run(&args, console),
+        Command::Convert(args) => convert::run(&args, console),
+        Command::Bench(args) => bench::run(&args, console),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args, console),
+    }
+}

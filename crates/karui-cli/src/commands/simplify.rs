@@ -1,0 +1,210 @@
+//! `karui simplify`: one coarser model.
+
+use crate::args::{SimplifyArgs, WriteArgs};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::input::{self, Input};
+use crate::table::{bytes, count, number, percent, seconds};
+use crate::{explain, output, weights};
+use anyhow::Result;
+use karui::lod::{LevelSummary, Levels, LodChain, LodOptions, SceneChain, chain_scene};
+use karui::simplify::{Stop, Stopped};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Remove triangles from a model
+///
+/// Stops at whichever target is met first. Errors are measured afterwards (two-sided distance to
+/// the original); an error that is asked for holds for the measured maximum.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The model
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    stop: StopArgs,
+    #[command(flatten)]
+    simplify: SimplifyArgs,
+    /// Face samples, and as many edge samples, that the error is measured with at most
+    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    samples: u64,
+    #[command(flatten)]
+    write: WriteArgs,
+}
+
+/// When to stop.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Target")]
+#[group(required = true, multiple = true)]
+struct StopArgs {
+    /// Share of the triangles to keep, 0 to 1
+    #[arg(long, value_name = "SHARE")]
+    ratio: Option<f64>,
+    /// Triangles to keep
+    #[arg(long, value_name = "COUNT")]
+    triangles: Option<usize>,
+    /// Largest error, in model units
+    #[arg(long, value_name = "ERROR")]
+    error: Option<f64>,
+    /// Largest error, as a share of the diagonal of the model's box
+    #[arg(long, value_name = "SHARE")]
+    relative_error: Option<f64>,
+}
+
+impl StopArgs {
+    fn resolve(&self) -> Result<Stop> {
+        let fraction = |option: &str, value: Option<f64>, most: f64| match value {
+            Some(v) if !(0.0..=most).contains(&v) => {
+                let limit = if most < f64::MAX {
+                    format!("0 to {most}")
+                } else {
+                    "0 or more".into()
+                };
+                Err(Failure::input(format!(
+                    "--{option} is {v}; it must be {limit}"
+                )))
+            }
+            value => Ok(value),
+        };
+        Ok(Stop {
+            triangles: self.triangles,
+            ratio: fraction("ratio", self.ratio, 1.0)?,
+            error: fraction("error", self.error, f64::MAX)?,
+            relative_error: fraction("relative-error", self.relative_error, f64::MAX)?,
+        })
+    }
+}
+
+/// Reads, simplifies, measures, writes, then tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    input::output_format(&args.output)?;
+    let stop = args.stop.resolve()?;
+    let input = input::read(&args.input, console)?;
+    input.require_triangles()?;
+    let chain = build(args, stop, &input, console)?;
+    let scene = chain.scene_at(&input.scene, 1);
+    let written = output::write_one(&args.output, &scene, &args.write.resolve())?;
+    let outcome = Outcome {
+        summary: chain.summary(&input.scene, 1),
+        stopped: stops(&chain),
+        bytes: written.bytes,
+    };
+    console.summary(&outcome.text(&input, &chain))?;
+    console.document(&outcome.document(args, &input, &chain))?;
+    console.summary(&outcome.last_line(args, console))
+}
+
+fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<SceneChain> {
+    let weights = args.simplify.weights.as_deref();
+    let weights = weights.map(|name| weights::load(name, input)).transpose()?;
+    let progress = console.progress();
+    let options = LodOptions {
+        levels: Levels::Stops(vec![stop]),
+        simplify: args.simplify.resolve(),
+        weights: weights.as_deref().unwrap_or_default(),
+        samples: args.samples,
+        progress: &*progress,
+        ..LodOptions::default()
+    };
+    Ok(chain_scene(&input.scene, &options)?)
+}
+
+struct Outcome {
+    summary: LevelSummary,
+    /// Reasons why meshes stopped, with the number of meshes, most first.
+    stopped: Vec<(Stopped, usize)>,
+    bytes: u64,
+}
+
+fn stops(chain: &SceneChain) -> Vec<(Stopped, usize)> {
+    let of_chain = |c: &LodChain| {
+        let level = c.levels.first().map(|l| l.stopped);
+        level.or_else(|| c.dropped.first().map(|d| d.stopped))
+    };
+    let mut counts: Vec<(Stopped, usize)> = Vec::new();
+    for stopped in chain.chains.iter().flatten().filter_map(of_chain) {
+        match counts.iter_mut().find(|(s, _)| *s == stopped) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((stopped, 1)),
+        }
+    }
+    counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+    counts
+}
+
+impl Outcome {
+    fn text(&self, input: &Input, chain: &SceneChain) -> String {
+        let before = chain.summary(&input.scene, 0);
+        let LevelSummary {
+            triangles,
+            vertices,
+            max,
+            mean,
+            rms,
+            ..
+        } = self.summary;
+        let share = triangles as f64 / before.triangles.max(1) as f64;
+        let of_diagonal = |x: f64| percent(x / chain.diagonal);
+        let mut lines = vec![
+            format!(
+                "triangles  {} -> {} ({})",
+                count(before.triangles),
+                count(triangles),
+                percent(share),
+            ),
+            format!(
+                "vertices   {} -> {}",
+                count(before.vertices),
+                count(vertices)
+            ),
+            format!(
+                "error      max {}, mean {}, RMS {}; max {} and RMS {} of the diagonal",
+                number(max),
+                number(mean),
+                number(rms),
+                of_diagonal(max),
+                of_diagonal(rms),
+            ),
+        ];
+        for &(stopped, meshes) in &self.stopped {
+            let of = if chain.chains.len() > 1 {
+                format!(" ({meshes} meshes)")
+            } else {
+                String::new()
+            };
+            let advice = explain::advice(stopped).map_or(String::new(), |a| format!("; {a}"));
+            lines.push(format!(
+                "stopped    {}{of}{advice}",
+                explain::reason(stopped)
+            ));
+        }
+        lines.join("\n")
+    }
+
+    fn document(&self, args: &Args, input: &Input, chain: &SceneChain) -> Value {
+        let before = chain.summary(&input.scene, 0);
+        let s = self.summary;
+        let stopped = |&(why, meshes): &(Stopped, usize)| json!({ "reason": explain::key(why), "meshes": meshes, "advice": explain::advice(why) });
+        json!({
+            "input": args.input, "output": args.output, "bytes": self.bytes,
+            "triangles": { "before": before.triangles, "after": s.triangles },
+            "vertices": { "before": before.vertices, "after": s.vertices },
+            "diagonal": chain.diagonal,
+            "error": { "max": s.max, "mean": s.mean, "rms": s.rms },
+            "stopped": self.stopped.iter().map(stopped).collect::<Vec<_>>(),
+        })
+    }
+
+    fn last_line(&self, args: &Args, console: &Console) -> String {
+        format!(
+            "{}: {} triangles, {}, off by at most {}; {}",
+            args.output.display(),
+            count(self.summary.triangles),
+            bytes(self.bytes),
+            number(self.summary.max),
+            seconds(console.elapsed()),
+        )
+    }
+}

@@ -1,0 +1,170 @@
+//! The chain of one mesh.
+
+use super::level::{Measured, simplify_measured};
+use super::options::{LodOptions, Surroundings};
+use super::parts::Parts;
+use super::{SceneChain, chain_scene};
+use crate::error::Result;
+use crate::mesh::{Scene, TriMesh};
+use crate::metrics::{Surface, SurfaceDistance};
+use crate::simplify::{Blocked, SimplifyOptions, Stop, Stopped};
+
+/// A mesh's levels of detail, the original not among them.
+#[derive(Debug, Clone)]
+pub struct LodChain {
+    /// The levels, finest first.
+    pub levels: Vec<LodLevel>,
+    /// Levels asked for that would have been no coarser than those before.
+    pub dropped: Vec<DroppedLevel>,
+    /// Length in the world of a length of 1 in the mesh, at most: the largest
+    /// stretch over all instances. Skins are left aside.
+    pub scale: f64,
+    /// Radius of a sphere around the original, in the world's unit.
+    pub radius: f64,
+    /// Area of the original, model units squared.
+    pub area: f64,
+    /// Instances of the mesh in the scene.
+    pub instances: usize,
+}
+
+/// One level of detail.
+#[derive(Debug, Clone)]
+pub struct LodLevel {
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// What was asked for, in the unit of the mesh.
+    pub asked: Stop,
+    /// Why simplification went no further.
+    pub stopped: Stopped,
+    /// What stood in its way.
+    pub blocked: Blocked,
+    /// The simplifier's own estimate of the error, in the unit of the mesh.
+    pub estimate: f64,
+    /// Measured distance between the original (`a`) and this level (`b`), in
+    /// the unit of the mesh.
+    pub distance: SurfaceDistance,
+    /// Largest error this level is taken to have, in the world's unit: the
+    /// largest measured one of this level and all finer ones.
+    pub error: f64,
+    /// Distance from the eye beyond which this level may be shown, in the
+    /// world's unit; never less than that of a finer level.
+    pub switch_distance: f64,
+}
+
+/// A level that is not there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DroppedLevel {
+    /// What was asked for, in the unit of the mesh.
+    pub asked: Stop,
+    /// The triangles it would have had.
+    pub triangles: usize,
+    /// Why simplification went no further.
+    pub stopped: Stopped,
+    /// What stood in its way.
+    pub blocked: Blocked,
+}
+
+/// Builds the levels of a single mesh that stands in the world as it is.
+///
+/// # Errors
+/// As [`chain_scene`]; [`Error::Empty`](crate::Error::Empty) for a mesh
+/// without triangles.
+pub fn chain_mesh(mesh: &TriMesh, options: &LodOptions<'_>) -> Result<LodChain> {
+    if mesh.triangles.is_empty() {
+        return Err(crate::Error::Empty { what: "mesh" });
+    }
+    let SceneChain { chains, .. } = chain_scene(&Scene::from_mesh(mesh.clone()), options)?;
+    let chain = chains.into_iter().flatten().next();
+    chain.ok_or(crate::Error::Empty { what: "mesh" })
+}
+
+/// A mesh on its way to become a chain.
+pub(super) struct Job<'a> {
+    pub mesh: &'a TriMesh,
+    pub surface: Surface,
+    pub around: Surroundings,
+    pub instances: usize,
+    pub weights: Option<&'a [f32]>,
+    pub stops: Vec<Stop>,
+}
+
+impl Job<'_> {
+    /// Builds level `level`, reporting as part `part`.
+    pub fn run(
+        &self,
+        level: usize,
+        options: &LodOptions,
+        parts: &Parts,
+        part: usize,
+    ) -> Result<Measured> {
+        let progress = parts.part(part);
+        let simplify = SimplifyOptions {
+            stop: self.stops[level],
+            weights: self.weights,
+            progress: &progress,
+            ..options.simplify
+        };
+        let samples = samples(options.samples, self.mesh);
+        simplify_measured(self.mesh, &self.surface, &simplify, samples, options.seed)
+    }
+
+    /// Sorts what was built into levels and those that are not worth having.
+    pub fn finish(&self, built: Vec<Measured>, options: &LodOptions) -> LodChain {
+        let mut chain = LodChain {
+            levels: Vec::new(),
+            dropped: Vec::new(),
+            scale: self.around.scale,
+            radius: self.around.scale * radius(self.mesh),
+            area: self.surface.area(),
+            instances: self.instances,
+        };
+        for (&asked, measured) in self.stops.iter().zip(built) {
+            self.add(&mut chain, asked, measured, options);
+        }
+        chain
+    }
+
+    fn add(&self, chain: &mut LodChain, asked: Stop, measured: Measured, options: &LodOptions) {
+        let Measured {
+            simplified,
+            distance,
+        } = measured;
+        let finer = chain.levels.last();
+        let before = finer.map_or(self.mesh.triangles.len(), |l| l.mesh.triangles.len());
+        let triangles = simplified.mesh.triangles.len();
+        let worthwhile =
+            triangles < before && triangles as f64 <= options.levels.worthwhile() * before as f64;
+        let (Some(distance), true) = (distance, worthwhile) else {
+            chain.dropped.push(DroppedLevel {
+                asked,
+                triangles,
+                stopped: simplified.stopped,
+                blocked: simplified.blocked,
+            });
+            return;
+        };
+        let error = (distance.max() * chain.scale).max(finer.map_or(0.0, |l| l.error));
+        chain.levels.push(LodLevel {
+            mesh: simplified.mesh,
+            asked,
+            stopped: simplified.stopped,
+            blocked: simplified.blocked,
+            estimate: simplified.error,
+            distance,
+            error,
+            switch_distance: options.screen.switch_distance(error),
+        });
+    }
+}
+
+/// Fewer samples for small meshes, of which a scene may have thousands.
+fn samples(most: u64, mesh: &TriMesh) -> u64 {
+    most.min((20 * mesh.triangles.len() as u64).max(1000))
+}
+
+/// Radius of the sphere around the middle of the mesh's box.
+fn radius(mesh: &TriMesh) -> f64 {
+    let center = mesh.bounds().center().as_dvec3();
+    let distance = |p: &glam::Vec3| p.as_dvec3().distance(center);
+    mesh.positions.iter().map(distance).fold(0.0, f64::max)
+}
