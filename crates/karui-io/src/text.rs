@@ -1,6 +1,9 @@
 //! Lines, words and numbers of text formats, with the place of every error.
 
-use crate::error::{Error, ErrorKind, Place, Result};
+use crate::{
+    error::{Error, ErrorKind, Place, Result},
+    number::unflip,
+};
 
 /// Longest piece of the file that is quoted in a message, bytes.
 const QUOTED: usize = 40;
@@ -162,13 +165,15 @@ pub(crate) fn float(word: &[u8], what: &'static str) -> Result<f32, ErrorKind> {
     }
 }
 
-/// A finite number in double precision.
-pub(crate) fn double(word: &[u8], what: &'static str) -> Result<f64, ErrorKind> {
-    match parse::<f64>(word) {
-        Some(value) if value.is_finite() => Ok(value),
-        Some(_) => Err(ErrorKind::NotFinite { what }),
-        None => Err(not_a_number(word, what)),
+/// The v of a texture coordinate, turned from growing upwards to downwards.
+pub(crate) fn turned_v(word: &[u8]) -> Result<f32, ErrorKind> {
+    const WHAT: &str = "texture coordinate";
+    let v = parse::<f64>(word).ok_or_else(|| not_a_number(word, WHAT))?;
+    let turned = unflip(v);
+    if !turned.is_finite() {
+        return Err(ErrorKind::NotFinite { what: WHAT });
     }
+    Ok(turned)
 }
 
 /// Any number, also NaN and infinity in all spellings of printf.

@@ -79,6 +79,11 @@ fn obj() {
         ("v 0 0 0 nan 0 0", Kind::NotFinite),
         ("vt nan 0", Kind::NotFinite),
         ("vt 0 1e400", Kind::NotFinite),
+        // Fits 64 bits but not 32: found by fuzzing.
+        (
+            "vt 0 222222222222222222222222222222222222222222",
+            Kind::NotFinite,
+        ),
         ("vt", Kind::Syntax),
         ("vn 0 0", Kind::Syntax),
         ("vn 0 0 inf", Kind::NotFinite),
@@ -382,6 +387,8 @@ fn off() {
         let text = good.replacen(from, to, 1);
         check(Format::Off, text.as_bytes(), expected, None);
     }
+    let far = b"STOFF\n3 1 0\n0 0 0 0 1e39\n1 0 0 0 0\n0 1 0 0 0\n3 0 1 2\n";
+    check(Format::Off, far, Kind::NotFinite, Some(Place::Line(3)));
     check(Format::Off, b"", Kind::Truncated, None);
     check(Format::Off, b"OFF", Kind::Truncated, None);
 }

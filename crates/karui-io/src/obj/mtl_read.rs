@@ -362,8 +362,9 @@ fn uv_transform(offset: Vec2, scale: Vec2) -> Option<UvTransform> {
     if (offset, scale) == (Vec2::ZERO, Vec2::ONE) {
         return None;
     }
-    Some(UvTransform {
-        offset: Vec2::new(offset.x, 1.0 - offset.y - scale.y),
+    let offset = Vec2::new(offset.x, 1.0 - offset.y - scale.y);
+    offset.is_finite().then_some(UvTransform {
+        offset,
         rotation: 0.0,
         scale,
     })

@@ -7,9 +7,8 @@ use super::{
 };
 use crate::{
     error::{Error, ErrorKind, Place, Result},
-    number::unflip,
     source::Source,
-    text::{Lines, Words, double, float, integer, name, quote},
+    text::{Lines, Words, float, integer, name, quote, turned_v},
 };
 use karui::geom::{Vec2, Vec3, Vec4};
 use std::{borrow::Cow, collections::HashMap};
@@ -150,8 +149,8 @@ impl State {
     fn uv(&mut self, mut words: Words<'_>) -> Result<(), ErrorKind> {
         const WHAT: &str = "texture coordinate";
         let u = words.next().ok_or_else(|| missing(1, 0))?;
-        let v = words.next().map_or(Ok(0.0), |word| double(word, WHAT))?;
-        self.uvs.push(Vec2::new(float(u, WHAT)?, unflip(v)));
+        let v = words.next().map_or(Ok(1.0), turned_v)?;
+        self.uvs.push(Vec2::new(float(u, WHAT)?, v));
         Ok(())
     }
 

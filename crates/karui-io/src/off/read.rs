@@ -5,9 +5,8 @@ use crate::{
     Warnings,
     color::FACE_COLOR,
     error::{ErrorKind, Result},
-    number::unflip,
     source::Source,
-    text::{Tokens, Words, float, integer, quote},
+    text::{Tokens, Words, float, integer, quote, turned_v},
 };
 use karui::{
     PolyMesh,
@@ -126,8 +125,7 @@ fn texture_coordinate(words: &mut Words<'_>) -> Result<Vec2, ErrorKind> {
         words.next().ok_or_else(missing)
     };
     let (s, t) = (number()?, number()?);
-    let t = crate::text::double(t, WHAT)?;
-    Ok(Vec2::new(float(s, WHAT)?, unflip(t)))
+    Ok(Vec2::new(float(s, WHAT)?, turned_v(t)?))
 }
 
 fn read_faces(
