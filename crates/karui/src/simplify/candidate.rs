@@ -164,8 +164,10 @@ impl State<'_> {
         let middle = (pa + pb) * 0.5;
         let quadric = self.shape_quadric(a, b, middle, info);
         let place = best_place(&quadric, pa - middle, pb - middle);
+        // What is checked must be what is stored, to the last bit.
+        let place = (place + middle).as_vec3().as_dvec3();
         let groups = self.groups(a, b, info, a, true);
-        self.priced(a, b, place + middle, &quadric, middle, groups, info)
+        self.priced(a, b, place, &quadric, middle, groups, info)
     }
 
     fn fixed(&self, kept: u32, removed: u32, info: &EdgeInfo, first: u32) -> Candidate {
@@ -383,19 +385,20 @@ impl State<'_> {
 }
 
 /// The place that minimises `quadric`, whose origin is the middle of the edge
-/// from `a` to `b`; where that is ill-defined, the best of ends and middle.
+/// from `a` to `b`; where that is ill-defined, or the pull has moved it off a
+/// sharp corner, the best of ends and middle.
 fn best_place(quadric: &Quadric, a: DVec3, b: DVec3) -> DVec3 {
     let pull = PULL * quadric.trace();
     let matrix = quadric.matrix() + DMat3::from_diagonal(DVec3::splat(pull));
     let place = matrix.inverse() * quadric.linear();
-    if place.is_finite() && place.length_squared() <= 4.0 * a.distance_squared(b) {
-        return place;
-    }
-    let choices = [DVec3::ZERO, a, b];
-    choices
-        .into_iter()
-        .min_by(|x, y| quadric.sum(*x).total_cmp(&quadric.sum(*y)))
-        .unwrap_or(DVec3::ZERO)
+    let length_squared = a.distance_squared(b);
+    let usable = place.is_finite() && place.length_squared() <= 4.0 * length_squared;
+    let start = if usable { place } else { DVec3::ZERO };
+    let noise = 1e-14 * quadric.trace() * length_squared;
+    [DVec3::ZERO, a, b].into_iter().fold(start, |best, choice| {
+        let better = quadric.sum(choice) + noise < quadric.sum(best);
+        if better { choice } else { best }
+    })
 }
 
 #[cfg(test)]

@@ -167,7 +167,7 @@ fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
 }
 
 /// Wedges of every triangle, each the property of one point, and the vertex
-/// each stands for.
+/// each stands for, in the order of the vertices.
 fn wedges(
     mesh: &TriMesh,
     class: &Classes,
@@ -181,7 +181,7 @@ fn wedges(
             keyed.push((points[i][k], vertex, (3 * i + k) as u32));
         }
     }
-    keyed.sort_unstable();
+    keyed.sort_unstable_by_key(|&(point, vertex, corner)| (vertex, point, corner));
     let mut wedges = vec![[0; 3]; kept.len()];
     let mut source = Vec::new();
     for one in keyed.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
