@@ -104,7 +104,8 @@ fn temporary(target: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    // Only the kind: the name of the temporary file would confuse.
+    builder.tempfile_in(folder).map_err(|e| e.kind().into())
 }
 
 fn fill_file(

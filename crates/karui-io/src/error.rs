@@ -3,6 +3,9 @@
 use crate::Format;
 use std::{fmt, io, path::PathBuf};
 
+/// What a gzip stream that grows too much has too much of.
+pub(crate) const INFLATED_SIZE: &str = "inflated size in bytes";
+
 /// A problem with one file: which file, which place in it, what is wrong.
 ///
 /// Reads like `bunny.ply: line 12: expected 3 numbers, found 2`.
@@ -194,6 +197,9 @@ impl Error {
             }
             ErrorKind::UnsafePath(_) => {
                 "place the file beside the model and name it by a relative path"
+            }
+            ErrorKind::TooLarge { what, .. } if *what == INFLATED_SIZE => {
+                "this looks like a decompression bomb; if you trust it, unpack it first"
             }
             ErrorKind::TooLarge { .. } => "split the model into parts",
             _ => return None,

@@ -2,7 +2,7 @@
 
 use crate::{
     ReadOptions, Warnings,
-    error::{Error, ErrorKind, Result},
+    error::{Error, ErrorKind, INFLATED_SIZE, Result},
     format::is_gz,
 };
 use flate2::bufread::MultiGzDecoder;
@@ -75,7 +75,7 @@ fn inflate(raw: &[u8], ratio: u64) -> Result<Vec<u8>> {
         return Err(Error::file(
             "",
             ErrorKind::TooLarge {
-                what: "inflated size in bytes",
+                what: INFLATED_SIZE,
                 found: bytes.len() as u64,
                 limit,
             },
@@ -159,6 +159,7 @@ mod tests {
         assert!(bomb.len() < 80_000);
         let error = inflate(&bomb, 64).unwrap_err();
         assert!(matches!(*error.kind, ErrorKind::TooLarge { .. }));
+        assert!(error.hint().is_some_and(|h| h.contains("bomb")));
         assert_eq!(inflate(&bomb, 2000).unwrap().len(), 70 << 20);
     }
 

@@ -295,7 +295,7 @@ impl Reader<'_, '_> {
     fn image(&mut self, file: &str) -> u32 {
         let uri = beside(self.uri, file);
         // However a path is spelt, the file is read once.
-        let key = relative_path(&uri).map_or_else(|| uri.clone().into(), |p| p);
+        let key = relative_path(&uri).unwrap_or_else(|| uri.clone().into());
         if let Some(&image) = self.images.get(&key) {
             return image;
         }

@@ -1,5 +1,8 @@
 use crate::{Format, Loaded, Result, read_bytes, read_poly_bytes};
-use karui::geom::{Vec2, Vec3, Vec4};
+use karui::{
+    geom::{Vec2, Vec3, Vec4},
+    mesh::{AlphaMode, Wrap},
+};
 
 fn load(text: &str) -> Result<Loaded> {
     read_bytes(Format::Obj, text.as_bytes(), "t.obj")
@@ -106,4 +109,46 @@ fn errors_name_the_line() {
         let found = error.to_string();
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn material_statements() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let library = "newmtl a\nKd 0.5 0.25 1\nNs 48\nTr 0.25\nKe 1 0 0\n\
+                   map_Kd -clamp on -s 2 4 -o 0.5 tex ture.png\nmap_d tex ture.png\n\
+                   bump -bm 0.5 b.png\nillum 2\n\
+                   newmtl b\nPr 0.5\nNs 1000\nPm 1\nnorm b.png\nmap_Ks b.png\nKd 0.5\n\
+                   newmtl c\nd bad\n";
+    std::fs::write(at("my lib.mtl"), library).unwrap();
+    std::fs::write(at("tex ture.png"), "png").unwrap();
+    let model = "mtllib my lib.mtl\nmtllib my lib.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n\
+                 usemtl b\nf 1 2 3\nusemtl d\nf 1 2 3\n";
+    std::fs::write(at("m.obj"), model).unwrap();
+    let loaded = crate::read_with(at("m.obj"), &Default::default()).unwrap();
+    let expected = [
+        "texture `b.png` was not found",
+        "`map_ks b.png` was passed over",
+        "my lib.mtl: line 18: expected a number (material value), found `bad`",
+        "material `d` is in no library",
+    ];
+    assert_eq!(loaded.warnings, expected);
+    let [a, b, _, d] = &loaded.scene.materials[..] else {
+        panic!("{:?}", loaded.scene.materials);
+    };
+    assert_eq!(a.base_color, Vec4::new(0.5, 0.25, 1.0, 0.75));
+    assert_eq!(a.alpha_mode, AlphaMode::Blend);
+    assert_eq!((a.roughness, a.metallic), (0.2, 0.0));
+    assert_eq!((b.roughness, b.metallic), (0.5, 1.0));
+    assert_eq!(b.base_color, Vec4::new(0.5, 0.5, 0.5, 1.0));
+    assert_eq!(a.normal_scale, 0.5);
+    assert_eq!(d.name.as_deref(), Some("d"));
+    let texture = a.base_color_texture.unwrap();
+    let transform = texture.transform.unwrap();
+    assert_eq!(transform.scale, Vec2::new(2.0, 4.0));
+    // v' = 0 + 4 v from below is v' = (1 - 4) + 4 v from above.
+    assert_eq!(transform.offset, Vec2::new(0.5, -3.0));
+    let found = &loaded.scene.textures[texture.texture as usize];
+    assert_eq!(found.wrap, [Wrap::Clamp; 2]);
+    assert_eq!(loaded.scene.images.len(), 2);
 }

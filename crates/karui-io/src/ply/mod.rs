@@ -14,6 +14,9 @@ mod read;
 mod vertices;
 mod write;
 
+#[cfg(test)]
+mod tests;
+
 pub use write::PlyEncoding;
 
 pub(crate) use read::read;
