@@ -385,6 +385,9 @@ impl Elements<'_> {
     /// taken from `default`.
     pub fn floats<const N: usize>(&self, default: [f32; N]) -> Vec<[f32; N]> {
         let there = N.min(self.layout.kind.components());
+        if self.layout.component == Component::F32 && there == N {
+            return (0..self.count).map(|i| self.float_words(i)).collect();
+        }
         let element = |i| {
             let mut values = default;
             for (c, value) in values.iter_mut().enumerate().take(there) {
@@ -395,9 +398,27 @@ impl Elements<'_> {
         (0..self.count).map(element).collect()
     }
 
+    /// The first `N` floats of element `i`, which has at least as many. Their
+    /// layout has no gaps for up to four.
+    fn float_words<const N: usize>(&self, i: usize) -> [f32; N] {
+        let words = self.element(i).as_chunks::<4>().0;
+        std::array::from_fn(|c| f32::from_le_bytes(words[c]))
+    }
+
     /// All scalars as indices.
     pub fn indices(&self) -> Vec<u32> {
-        (0..self.count).map(|i| self.integer(i, 0) as u32).collect()
+        match self.layout.component {
+            Component::U16 => self.scalars(|b| u32::from(u16::from_le_bytes(b))),
+            Component::U32 => self.scalars(u32::from_le_bytes),
+            _ => (0..self.count).map(|i| self.integer(i, 0) as u32).collect(),
+        }
+    }
+
+    /// All scalars of `S` bytes.
+    fn scalars<const S: usize>(&self, read: impl Fn([u8; S]) -> u32) -> Vec<u32> {
+        let elements = self.bytes.chunks(self.stride);
+        let scalars = elements.filter_map(|e| e.first_chunk::<S>());
+        scalars.take(self.count).map(|s| read(*s)).collect()
     }
 }
 

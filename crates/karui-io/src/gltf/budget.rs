@@ -6,9 +6,11 @@ use std::cell::Cell;
 
 /// Bytes any file may unfold to, however small it is.
 const BASE: u64 = 96 << 20;
-/// Bytes it may unfold to for each of its own. Reading arrays as `f32` costs at
-/// most 4, a stream of the densest compression about 60.
-const RATIO: u64 = 64;
+/// Bytes it may unfold to for each in its buffers. Reading arrays as `f32`
+/// costs at most 4, a stream of the densest compression about 60.
+const BUFFER_RATIO: u64 = 64;
+/// Bytes it may unfold to for each of its JSON: nodes and materials.
+const JSON_RATIO: u64 = 8;
 
 /// Memory a file may still ask for. Zero-filled accessors, accessors that many
 /// meshes share and compressed streams all let a small file describe a huge
@@ -19,9 +21,11 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// For a file that has `bytes` bytes, companions included.
-    pub fn new(bytes: usize) -> Self {
-        let limit = BASE + RATIO.saturating_mul(bytes as u64);
+    /// For a file with so many bytes in its buffers and its JSON.
+    pub fn new(buffers: usize, json: usize) -> Self {
+        let buffers = BUFFER_RATIO.saturating_mul(buffers as u64);
+        let json = JSON_RATIO.saturating_mul(json as u64);
+        let limit = BASE.saturating_add(buffers).saturating_add(json);
         let left = Cell::new(limit);
         Self { left, limit }
     }

@@ -12,15 +12,28 @@ use crate::{
     source::Source,
 };
 use serde_json::Value;
-use std::ops::Range;
+use std::{collections::HashMap, ops::Range, sync::Arc};
 
 /// A glTF document in JSON and its binary data.
 pub(super) struct Document {
     /// The document, without `buffers`.
     pub json: Value,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Buffer>,
     views: Vec<View>,
     size: usize,
+}
+
+/// The first `length` bytes of a file or data URI; several buffers may name
+/// one file.
+struct Buffer {
+    bytes: Arc<Vec<u8>>,
+    length: usize,
+}
+
+impl Buffer {
+    fn bytes(&self) -> &[u8] {
+        &self.bytes[..self.length]
+    }
 }
 
 struct View {
@@ -45,10 +58,9 @@ impl Document {
     pub fn load(source: &mut Source<'_>) -> Result<(Self, Budget)> {
         let parts = container::split(source.bytes, &mut source.warnings)?;
         let mut json = json::parse(parts.json)?;
-        let buffers = load_buffers(&json, parts.bin, source)?;
+        let (buffers, bytes) = load_buffers(&json, parts.bin, source)?;
         json::remove(&mut json, "buffers");
-        let bytes = buffers.iter().map(Vec::len).sum::<usize>();
-        let budget = Budget::new(bytes + parts.json.len());
+        let budget = Budget::new(bytes, parts.json.len());
         let mut document = Self {
             json,
             buffers,
@@ -81,7 +93,7 @@ impl Document {
                 let at = at.key("extensions");
                 let at = at.key(name);
                 let (buffer, range) = self.view_range(compressed, &at)?;
-                let bytes = &self.buffers[buffer][range];
+                let bytes = &self.buffers[buffer].bytes()[range];
                 let bytes = ViewBytes::Own(meshopt::decode_view(compressed, bytes, budget, &at)?);
                 return Ok(View { bytes, stride });
             }
@@ -99,7 +111,7 @@ impl Document {
         };
         let start = json::number(view, "byteOffset", at)?.unwrap_or(0);
         let length = json::required(view, "byteLength", at)?;
-        let available = self.buffers[buffer].len();
+        let available = self.buffers[buffer].length;
         match start.checked_add(length) {
             Some(end) if end <= available => Ok((buffer, start..end)),
             _ => {
@@ -123,7 +135,7 @@ impl Document {
     /// Content of a buffer view, which must exist.
     pub fn view(&self, index: usize) -> &[u8] {
         match &self.views[index].bytes {
-            ViewBytes::Part(buffer, range) => &self.buffers[*buffer][range.clone()],
+            ViewBytes::Part(buffer, range) => &self.buffers[*buffer].bytes()[range.clone()],
             ViewBytes::Own(bytes) => bytes,
             ViewBytes::Dropped => &[],
         }
@@ -147,36 +159,59 @@ impl Document {
     }
 }
 
-fn load_buffers(json: &Value, bin: Option<&[u8]>, source: &mut Source<'_>) -> Result<Vec<Vec<u8>>> {
+/// Files read for buffers so far, by path.
+type Known = HashMap<String, Arc<Vec<u8>>>;
+
+/// Reads all buffers; returns them and the bytes read in total.
+fn load_buffers(
+    json: &Value,
+    bin: Option<&[u8]>,
+    source: &Source<'_>,
+) -> Result<(Vec<Buffer>, usize)> {
+    let mut known = Known::new();
     let mut buffers = Vec::new();
+    let mut total = 0;
     for (i, buffer) in json::array(json, "buffers", &ROOT)?.iter().enumerate() {
         let at = ROOT.item("buffers", i);
-        let bin = bin.filter(|_| i == 0);
-        buffers.push(load_buffer(buffer, bin, source, &at)?);
+        let files = known.len();
+        let is_data = !is_path(buffer);
+        let buffer = load_buffer(buffer, bin.filter(|_| i == 0), source, &mut known, &at)?;
+        if is_data || known.len() > files {
+            total += buffer.bytes.len();
+        }
+        buffers.push(buffer);
     }
-    Ok(buffers)
+    Ok((buffers, total))
+}
+
+/// Whether a buffer names a file.
+fn is_path(buffer: &Value) -> bool {
+    json::text(buffer, "uri").is_some_and(|uri| !uri::is_data(uri))
 }
 
 fn load_buffer(
     buffer: &Value,
     bin: Option<&[u8]>,
-    source: &mut Source<'_>,
+    source: &Source<'_>,
+    known: &mut Known,
     at: &At<'_>,
-) -> Result<Vec<u8>> {
+) -> Result<Buffer> {
     let length = json::required(buffer, "byteLength", at)?;
-    let mut bytes = match (json::text(buffer, "uri"), bin) {
-        (Some(uri), _) => load_uri(uri, source, &at.key("uri"))?,
-        (None, Some(bin)) => bin.to_vec(),
+    let bytes = match (json::text(buffer, "uri"), bin) {
+        (Some(uri), _) => load_uri(uri, source, known, &at.key("uri"))?,
+        (None, Some(bin)) => Arc::new(bin.to_vec()),
         // The content of a fallback buffer is made by decompression.
-        (None, None) if is_fallback(buffer) => return Ok(Vec::new()),
+        (None, None) if is_fallback(buffer) => {
+            let (bytes, length) = (Arc::default(), 0);
+            return Ok(Buffer { bytes, length });
+        }
         (None, None) => return Err(at.syntax("a `uri` or a binary chunk", "neither")),
     };
     if bytes.len() < length {
         let (expected, found) = (format!("{length} bytes"), bytes.len().to_string());
         return Err(at.fail(ErrorKind::truncated(expected, found)));
     }
-    bytes.truncate(length);
-    Ok(bytes)
+    Ok(Buffer { bytes, length })
 }
 
 fn is_fallback(buffer: &Value) -> bool {
@@ -188,15 +223,25 @@ fn is_fallback(buffer: &Value) -> bool {
     })
 }
 
-fn load_uri(uri: &str, source: &mut Source<'_>, at: &At<'_>) -> Result<Vec<u8>> {
+fn load_uri(
+    uri: &str,
+    source: &Source<'_>,
+    known: &mut Known,
+    at: &At<'_>,
+) -> Result<Arc<Vec<u8>>> {
     let path = match uri::decode(uri).map_err(|kind| at.fail(kind))? {
-        Uri::Data { bytes, .. } => return Ok(bytes),
+        Uri::Data { bytes, .. } => return Ok(Arc::new(bytes)),
         Uri::Path(path) => path,
     };
-    match companion(&path, source, at)? {
-        Some(bytes) => Ok(bytes),
-        None => Err(at.syntax(format!("the file `{path}` beside the model"), "none")),
+    if let Some(bytes) = known.get(&path) {
+        return Ok(Arc::clone(bytes));
     }
+    let Some(bytes) = companion(&path, source, at)? else {
+        return Err(at.syntax(format!("the file `{path}` beside the model"), "none"));
+    };
+    let bytes = Arc::new(bytes);
+    known.insert(path, Arc::clone(&bytes));
+    Ok(bytes)
 }
 
 /// Reads a file beside the model; `None` if there is none.

@@ -1,6 +1,7 @@
 //! Nodes, scenes, textures and images: reading each from its JSON object.
 
 use super::{
+    budget::Budget,
     document::{Document, companion},
     json::{self, At, ROOT},
     lod,
@@ -13,6 +14,7 @@ use crate::{
 use glam::{Mat4, Quat, Vec3};
 use karui::mesh::{Image, ImageData, Node, Texture, Transform, Wrap};
 use serde_json::Value;
+use std::collections::HashMap;
 
 /// Lengths of the arrays that nodes refer to.
 pub(super) struct Counts {
@@ -184,66 +186,80 @@ pub(super) fn read_texture(raw: &Value, json: &Value, at: &At<'_>) -> Result<Tex
     })
 }
 
-/// Reads an image's encoded bytes, or notes that they are missing.
-pub(super) fn read_image(
-    raw: &Value,
-    document: &Document,
-    source: &mut Source<'_>,
-    at: &At<'_>,
-) -> Result<Image> {
-    let mut mime = json::text(raw, "mimeType").unwrap_or_default().to_owned();
-    let views = document.view_count();
-    let data = match json::index(raw, "bufferView", views, "bufferView", at)? {
-        Some(view) => ImageData::Bytes {
-            bytes: document.view(view).into(),
-            uri: None,
-        },
-        None => read_image_uri(raw, &mut mime, source, at)?,
-    };
-    if let ImageData::Bytes { bytes, .. } = &data
-        && mime.is_empty()
-    {
-        mime = mime_of(bytes).to_owned();
-    }
-    Ok(Image {
-        name: json::name(raw),
-        mime,
-        data,
-    })
+/// Reads images; files that several name are read once.
+pub(super) struct ImageReader<'r, 's> {
+    pub document: &'r Document,
+    pub budget: &'r Budget,
+    pub source: &'r mut Source<'s>,
+    /// Files read so far, by path.
+    pub known: HashMap<String, ImageData>,
 }
 
-fn read_image_uri(
-    raw: &Value,
-    mime: &mut String,
-    source: &mut Source<'_>,
-    at: &At<'_>,
-) -> Result<ImageData> {
-    let Some(text) = json::text(raw, "uri") else {
-        // An extension may name the image in its own way.
-        return Ok(ImageData::Missing { uri: String::new() });
-    };
-    let at = at.key("uri");
-    let path = match uri::decode(text).map_err(|kind| at.fail(kind))? {
-        Uri::Path(path) => path,
-        Uri::Data { mime: m, bytes } => {
-            if mime.is_empty() {
-                *mime = m.to_owned();
+impl ImageReader<'_, '_> {
+    /// Reads an image's encoded bytes, or notes that they are missing.
+    pub fn read(&mut self, raw: &Value, at: &At<'_>) -> Result<Image> {
+        let mut mime = json::text(raw, "mimeType").unwrap_or_default().to_owned();
+        let views = self.document.view_count();
+        let data = match json::index(raw, "bufferView", views, "bufferView", at)? {
+            Some(view) => {
+                let bytes = self.document.view(view);
+                // Many images may name one buffer view.
+                self.budget.take(bytes.len(), 1, at)?;
+                let (bytes, uri) = (bytes.into(), None);
+                ImageData::Bytes { bytes, uri }
             }
-            let bytes = bytes.into();
-            return Ok(ImageData::Bytes { bytes, uri: None });
+            None => self.read_uri(raw, &mut mime, at)?,
+        };
+        if let ImageData::Bytes { bytes, .. } = &data
+            && mime.is_empty()
+        {
+            mime = mime_of(bytes).to_owned();
         }
-    };
-    Ok(match companion(&path, source, &at)? {
-        Some(bytes) => ImageData::Bytes {
-            bytes: bytes.into(),
-            uri: Some(path),
-        },
-        None => {
-            let warning = format!("{at}: the image `{path}` was not found");
-            source.warnings.push(warning);
-            ImageData::Missing { uri: path }
+        Ok(Image {
+            name: json::name(raw),
+            mime,
+            data,
+        })
+    }
+
+    fn read_uri(&mut self, raw: &Value, mime: &mut String, at: &At<'_>) -> Result<ImageData> {
+        let Some(text) = json::text(raw, "uri") else {
+            // An extension may name the image in its own way.
+            return Ok(ImageData::Missing { uri: String::new() });
+        };
+        let at = at.key("uri");
+        let path = match uri::decode(text).map_err(|kind| at.fail(kind))? {
+            Uri::Path(path) => path,
+            Uri::Data { mime: m, bytes } => {
+                if mime.is_empty() {
+                    *mime = m.to_owned();
+                }
+                let bytes = bytes.into();
+                return Ok(ImageData::Bytes { bytes, uri: None });
+            }
+        };
+        if let Some(data) = self.known.get(&path) {
+            return Ok(data.clone());
         }
-    })
+        let data = self.read_file(&path, &at)?;
+        self.known.insert(path, data.clone());
+        Ok(data)
+    }
+
+    fn read_file(&mut self, path: &str, at: &At<'_>) -> Result<ImageData> {
+        let uri = path.to_owned();
+        match companion(path, self.source, at)? {
+            Some(bytes) => Ok(ImageData::Bytes {
+                bytes: bytes.into(),
+                uri: Some(uri),
+            }),
+            None => {
+                let warning = format!("{at}: the image `{path}` was not found");
+                self.source.warnings.push(warning);
+                Ok(ImageData::Missing { uri })
+            }
+        }
+    }
 }
 
 /// Media type of an encoded image by its first bytes; empty if unknown.

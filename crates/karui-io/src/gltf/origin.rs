@@ -41,7 +41,7 @@ impl<'a> Origin<'a> {
             document,
             meshes,
             first_primitives,
-            budget: Budget::new(document.map_or(0, Document::size)),
+            budget: Budget::new(document.map_or(0, Document::size), 0),
             accessors: vec![None; accessors],
             views: vec![None; document.map_or(0, Document::view_count)],
         }

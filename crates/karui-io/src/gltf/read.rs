@@ -6,7 +6,7 @@ use super::{
     document::Document,
     json::{self, At, ROOT},
     material,
-    node::{self, Counts},
+    node::{self, Counts, ImageReader},
     primitive::Context,
     read_mesh,
     references::{self, Target},
@@ -20,7 +20,7 @@ use karui::{
     mesh::{Attachment, Image, Material, NamedMesh, Node, Texture},
 };
 use serde_json::Value;
-use std::mem::size_of;
+use std::{collections::HashMap, mem::size_of};
 
 /// Required extensions that need no warning: those that are decoded, and
 /// those that change how a surface looks but not where it is.
@@ -136,19 +136,18 @@ fn read_images(
     budget: &Budget,
     source: &mut Source<'_>,
 ) -> Result<Vec<Image>> {
+    let mut reader = ImageReader {
+        document,
+        budget,
+        source,
+        known: HashMap::new(),
+    };
     let images = json::array(&document.json, "images", &ROOT)?
         .iter()
         .enumerate();
-    let read = |(i, raw)| {
-        let at = ROOT.item("images", i);
-        let image = node::read_image(raw, document, source, &at)?;
-        if let karui::mesh::ImageData::Bytes { bytes, .. } = &image.data {
-            // Many images may name one buffer view or file.
-            budget.take(bytes.len(), 1, &at)?;
-        }
-        Ok(image)
-    };
-    images.map(read).collect()
+    images
+        .map(|(i, raw)| reader.read(raw, &ROOT.item("images", i)))
+        .collect()
 }
 
 fn read_textures(json: &Value) -> Result<Vec<Texture>> {

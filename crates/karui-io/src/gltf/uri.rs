@@ -26,15 +26,18 @@ pub(super) enum Uri<'a> {
     Path(String),
 }
 
+/// Whether it is a data URI.
+pub(super) fn is_data(uri: &str) -> bool {
+    uri.get(..5)
+        .is_some_and(|s| s.eq_ignore_ascii_case("data:"))
+}
+
 /// Decodes a URI.
 ///
 /// # Errors
 /// [`ErrorKind::Syntax`] for a data URI that cannot be decoded.
 pub(super) fn decode(uri: &str) -> Result<Uri<'_>, ErrorKind> {
-    if uri
-        .get(..5)
-        .is_some_and(|s| s.eq_ignore_ascii_case("data:"))
-    {
+    if is_data(uri) {
         return decode_data(&uri[5..]);
     }
     String::from_utf8(percent_decode(uri))

@@ -18,6 +18,7 @@ use crate::{
     Format,
     atomic::Transaction,
     error::{Error, ErrorKind, Place as ErrorPlace, Result},
+    format::is_gz,
     write::write_file,
 };
 use karui::Scene;
@@ -93,12 +94,16 @@ fn glb(scene: &Scene, options: &GltfOptions) -> Result<Vec<u8>> {
     container::join(to_text(&built.json, false)?, &built.packed.bin)
 }
 
-/// The name of the model without its extensions.
+/// The name of the model without `.gltf` or `.gltf.gz`.
 fn stem_of(path: &Path) -> String {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
-    let name = name.unwrap_or_default();
-    let stem = name.split_once('.').map_or(name.as_str(), |(stem, _)| stem);
-    if stem.is_empty() { "model" } else { stem }.to_owned()
+    let mut stem = path.file_stem().unwrap_or_default();
+    if is_gz(path) {
+        stem = Path::new(stem).file_stem().unwrap_or_default();
+    }
+    match stem.to_string_lossy() {
+        stem if stem.is_empty() => "model".to_owned(),
+        stem => stem.into_owned(),
+    }
 }
 
 fn free_bin_name(stem: &str, files: &Files) -> String {

@@ -96,12 +96,8 @@ impl<'a> MeshWriter<'_, 'a> {
         written: &mut [Option<Value>],
     ) -> Result<()> {
         let triangles = |part: &Part<'_>| &mesh.triangles[part.range.triangles()];
-        let mut sources: Vec<u32> = Vec::new();
-        for &p in pool {
-            sources.extend(triangles(&parts[p]).as_flattened());
-        }
-        sources.sort_unstable();
-        sources.dedup();
+        let corners = pool.iter().map(|&p| triangles(&parts[p]).as_flattened());
+        let sources = used_vertices(mesh.positions.len(), corners);
         check_count("vertices", sources.len())?;
         let Some(first) = pool.first().map(|&p| &parts[p]) else {
             return Ok(());
@@ -221,6 +217,26 @@ fn primitive(part: &Part<'_>, attributes: &Value, targets: &[Value], indices: us
     primitive
 }
 
+/// The vertices that corners name, in order, each once.
+fn used_vertices<'m>(
+    vertices: usize,
+    corners: impl Iterator<Item = &'m [u32]> + Clone,
+) -> Vec<u32> {
+    if corners.clone().map(<[u32]>::len).sum::<usize>() < vertices / 16 {
+        // A small part of a large mesh: its size counts, not the mesh's.
+        let mut used: Vec<u32> = corners.flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        return used;
+    }
+    let mut is_used = vec![false; vertices];
+    for &v in corners.flatten() {
+        is_used[v as usize] = true;
+    }
+    let used = is_used.iter().enumerate().filter(|(_, used)| **used);
+    used.map(|(v, _)| v as u32).collect()
+}
+
 /// Groups of parts that are joined by common vertices and lack the same
 /// attributes, in the order of their first part.
 fn pools(mesh: &TriMesh, parts: &[Part<'_>]) -> Vec<Vec<usize>> {
@@ -321,6 +337,14 @@ mod tests {
         let mut parts = parts;
         parts[2].omit = vec!["NORMAL"];
         assert_eq!(pools(&mesh, &parts), [vec![0], vec![1, 3], vec![2]]);
+    }
+
+    #[test]
+    fn used_vertices_of_small_and_large_parts() {
+        for vertices in [10, 1000] {
+            let corners: [&[u32]; 2] = [&[7, 3, 7], &[9, 3, 0]];
+            assert_eq!(used_vertices(vertices, corners.into_iter()), [0, 3, 7, 9]);
+        }
     }
 
     #[test]

@@ -30,8 +30,9 @@ pub struct MaterialRange {
     pub count: u32,
     /// Index into [`Scene::materials`](super::Scene::materials).
     pub material: Option<u32>,
-    /// Index of the primitive in the file this range was read from; carried
-    /// untouched so that a writer can restore what Karui does not model.
+    /// Index of the primitive in the file this range was read from, counted
+    /// over all meshes of the file; carried untouched, into other meshes too,
+    /// so that a writer can restore what Karui does not model.
     pub source: Option<u32>,
 }
 

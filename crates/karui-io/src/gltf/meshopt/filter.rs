@@ -151,6 +151,33 @@ mod tests {
         assert_eq!(bits, [0, 0x3fc0_0000, 0xc210_0000, 0x49ff_fffe]);
     }
 
+    /// Colours as the reference implementation encodes them, in 8 and 12 bits.
+    #[test]
+    fn colors() {
+        let near = |a: f64, b: f64, step: f64| (a - b).abs() < step;
+        let expected = [1.0, 0.5, 0.25, 1.0, 0.0, 1.0, 0.0, 0.5, 0.2, 0.4, 0.6, 0.0];
+        let mut narrow = [
+            0x90, 0x5f, 0xf1, 0xff, 0x7f, 0, 0x7f, 0xc0, 0x66, 0xcd, 0, 0x80,
+        ];
+        assert!(apply("COLOR", 4, &mut narrow));
+        for (found, expected) in narrow.iter().zip(expected) {
+            assert!(
+                near(f64::from(*found) / 255.0, expected, 0.01),
+                "{narrow:?}"
+            );
+        }
+        let words = [
+            0x0900u16, 0x05ff, 0xff01, 0x0fff, 0x07ff, 0x0000, 0x07ff, 0x0c00, 0x0666, 0xfccd,
+            0x0000, 0x0800,
+        ];
+        let mut wide: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+        assert!(apply("COLOR", 8, &mut wide));
+        for (found, expected) in wide.as_chunks::<2>().0.iter().zip(expected) {
+            let found = f64::from(u16::from_le_bytes(*found)) / 65535.0;
+            assert!(near(found, expected, 0.001), "{found} {expected}");
+        }
+    }
+
     #[test]
     fn unknown_filters_are_told() {
         assert!(!apply("OCTAHEDRAL", 12, &mut []));

@@ -294,6 +294,58 @@ mod tests {
         (0..count).map(vertex).collect()
     }
 
+    /// What the reference implementation (npm `meshoptimizer` 1.x) makes of
+    /// [`mixed`] in version 1 at its levels 0 and 2.
+    const VERSION_1: [&str; 2] = [
+        "oVpVWan/AAAoGDjId+egP2AP4I/Xh9ioV/in1wBQwG/vMDhICNiH17/vkD/wn9cXaLhn97/PMCDQf9/vt3gn6JfX\
+        T6CwX/8/AFAoGDjId1UBNmXZj4IEAwRmGZdmBD2YZn0DBAMGmXZj2QQDBPZgAAB/gv8AAFhYWFhYWFhYWFhYWFhY\
+        WFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWD8AWFhYWFhYVQEqrqrqBASu\
+        ququBAQEq6q6qwQEBKq6q6oEBOqgAAAE/wAAAgYKDhIWGh4iJiouMjY6PkJGSk5SVlpeYmZqbnJ2en6ChoqOkpaa\
+        nqKmqq6ytrq+wsbKztLW2t7i5uru8vb6PwD+/fn18e1UAQAAgAIAgICAggiCCIiIiIAAAP8AAL7goJUv9E5amzmJ\
+        g7Abqq2vU60sUmff+zZ3rNMC9+jPu4hFkus7g4Qs7n8vH/dheSzZvMq+tFJb/ML0vvFIIT8AMh2Ni7E4VQEqqqqq\
+        qqqqqqqqqqqqqqqqqqAAAFUBABIYBgBAgZJCEgBCQCEkmABgAABVASqrqq4LC6q6quoLC6uqrqoLC7qq6qsLCwuq\
+        oAAAAAAAAAAAAAAAAAAAPQUAAQAAAAAAAAAA",
+        "oXo3W6kAKOc4N4jnX8Cf8B9w14fYV6gHWNf/UD+Q7884twgneNe/EG/AD2DXF2hHmPe/MM8gL4Df70iH2Bdo10+g\
+        T6D/ryjnODeIVQE2U9VKggMDVRlPZQMELVSlPQMEBZS1UpQD9lAAAIGCAFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhY\
+        WFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFUBKqqqqqqqqqqqqqqqqqqqqqqg\
+        AAAAAgYKDhIWGh4iJiouMjY6PkJGSk5SVlpeYmZqbnJ2en6ChoqOkpaanqKmqq6ytrq+wsbKztLW2t7i5uru8vb6\
+        /gIGCg4SAAIVUAAAAL7goJUv9E5amzmJg7Abqq2vU60sUmff+zZ3rNMC9+jPu4hFkus7g4Qs7n8vH/dheSzZvMq+\
+        tFJb/ML0vvFIITIdjYuxOFUBKqqqqqqqqqqqqqqqqqqqqqqgAABVAQASGAYAQIGSQhIAQkAhJJgAYAAAVQEqq6qu\
+        CwuquqrqCwurqq6qCwu6quqrCwsLqqAAAAAAAAAAAAAAAAAAAD0FAAEAAAAAAQEAAA==",
+    ];
+
+    fn mixed() -> Vec<u8> {
+        let mut state = 7u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        };
+        let mut bytes = Vec::new();
+        for i in 0..70u32 {
+            bytes.extend(((i * 37 % 64) as f32 / 4.0).to_le_bytes());
+            bytes.extend(
+                [(i * 300) as u16, (i * i) as u16]
+                    .map(u16::to_le_bytes)
+                    .as_flattened(),
+            );
+            bytes.extend([random(), 5, i as u8, random() & 1]);
+            bytes.extend((i % 7).to_le_bytes());
+        }
+        bytes
+    }
+
+    #[test]
+    fn version_1_of_the_reference_implementation() {
+        use base64::{Engine, prelude::BASE64_STANDARD};
+        for text in VERSION_1 {
+            let bytes = BASE64_STANDARD.decode(text).unwrap();
+            assert_eq!(decode(&bytes, 70, 16).unwrap(), mixed());
+            for end in 0..bytes.len() {
+                assert!(decode(&bytes[..end], 70, 16).is_err());
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn agrees_with_another_implementation(count in 1usize..1000, seed: u32) {
