@@ -1,6 +1,8 @@
 //! Simplification, held to what it promises on the mesh zoo and on generated
 //! meshes.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 use glam::{Vec2, Vec3};
 use karui::geom::Aabb;
 use karui::mesh::{Attributes, diagnose, shapes};
