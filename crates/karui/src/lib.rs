@@ -16,4 +16,4 @@ pub mod spatial;
 pub use error::{Error, Result};
 pub use mesh::{PolyMesh, Scene, TriMesh};
 pub use progress::{Progress, Silent};
-pub use simplify::{SimplifyOptions, Stop, simplify};
+pub use simplify::{SimplifyOptions, Stop, simplify, simplify_chain};

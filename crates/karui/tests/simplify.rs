@@ -8,7 +8,8 @@ use karui::geom::Aabb;
 use karui::mesh::{Attributes, diagnose, shapes};
 use karui::metrics::{SurfaceDistanceOptions, flipped, surface_distance};
 use karui::simplify::{
-    AttributeWeights, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped, simplify,
+    AttributeWeights, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped,
+    simplify, simplify_chain,
 };
 use karui::spatial::Bvh;
 use karui::{Error, Progress, TriMesh};
@@ -311,6 +312,17 @@ fn same_bytes_for_any_number_of_threads() {
     let one = in_pool(1);
     assert!(one == in_pool(2));
     assert!(one == in_pool(8));
+}
+
+#[test]
+fn a_chain_ends_where_one_simplification_does() {
+    let mesh = shapes::loaded_sphere(24, 32);
+    let stops = [Stop::ratio(0.5), Stop::ratio(0.2), Stop::ratio(0.2)];
+    let chain = simplify_chain(&mesh, &stops, &SimplifyOptions::default()).unwrap();
+    assert!(chain[1].mesh == to(&mesh, Stop::ratio(0.2)).mesh);
+    assert!(chain[1].mesh == chain[2].mesh);
+    assert!(chain[0].mesh == to(&mesh, Stop::ratio(0.5)).mesh);
+    assert!(chain[0].error <= chain[1].error);
 }
 
 #[test]

@@ -53,39 +53,6 @@ impl Ord for Entry {
     }
 }
 
-/// Collapses until the target is met or nothing more can be.
-///
-/// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled).
-pub(crate) fn run<'a>(
-    state: State<'a>,
-    guard: &Guard<'_>,
-    target: Target,
-) -> Result<(State<'a>, Reached)> {
-    let pairs = state.options.pairs.map(|t| Pairs::near(&state.surface, t));
-    let mut driver = Driver {
-        version: vec![0; state.surface.position.len()],
-        queue: BinaryHeap::new(),
-        ring: Vec::new(),
-        second_ring: Vec::new(),
-        refused: Refused::default(),
-        error: 0.0,
-        collapses: 0,
-        pairs,
-        target,
-        guard,
-        state,
-    };
-    let stopped = driver.collapse_all()?;
-    let reached = Reached {
-        error: driver.error,
-        stopped,
-        collapses: driver.collapses,
-        blocked: driver.refused.blocked,
-    };
-    Ok((driver.state, reached))
-}
-
 #[derive(Debug, Clone, Copy, Default)]
 struct Refused {
     blocked: Blocked,
@@ -104,7 +71,8 @@ impl Refused {
     }
 }
 
-struct Driver<'a, 'g> {
+/// The queue over a surface; it may be driven to one target after another.
+pub(crate) struct Driver<'a, 'g> {
     state: State<'a>,
     guard: &'g Guard<'g>,
     target: Target,
@@ -118,13 +86,56 @@ struct Driver<'a, 'g> {
     collapses: usize,
 }
 
-impl Driver<'_, '_> {
+impl<'a, 'g> Driver<'a, 'g> {
+    /// A driver that has not done anything yet.
+    pub fn new(state: State<'a>, guard: &'g Guard<'g>) -> Self {
+        let pairs = state.options.pairs.map(|t| Pairs::near(&state.surface, t));
+        Self {
+            version: vec![0; state.surface.position.len()],
+            queue: BinaryHeap::new(),
+            ring: Vec::new(),
+            second_ring: Vec::new(),
+            refused: Refused::default(),
+            error: 0.0,
+            collapses: 0,
+            pairs,
+            target: Target {
+                triangles: usize::MAX,
+                error: f64::INFINITY,
+            },
+            guard,
+            state,
+        }
+    }
+
+    /// The surface as it is now.
+    pub fn state(&self) -> &State<'a> {
+        &self.state
+    }
+
+    /// Collapses until the target is met or nothing more can be.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn advance(&mut self, target: Target) -> Result<Reached> {
+        self.target = target;
+        let stopped = self.collapse_all()?;
+        Ok(Reached {
+            error: self.error,
+            stopped,
+            collapses: self.collapses,
+            blocked: self.refused.blocked,
+        })
+    }
+
     fn collapse_all(&mut self) -> Result<Stopped> {
         let start = self.state.surface.alive;
         loop {
             // What was refused once may be allowed after its neighbourhood
             // has changed, so a queue that ran dry is filled again.
-            self.fill()?;
+            if self.queue.is_empty() {
+                self.fill()?;
+            }
             let before = self.collapses;
             if self.drain(start)? {
                 return Ok(Stopped::Target);

@@ -31,7 +31,7 @@ pub use quadric::Quadric;
 
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
-use exact::Target;
+use exact::{Driver, Target};
 
 /// Collapses edges of `mesh`, cheapest first, until `options.stop` is met or
 /// nothing more can go.
@@ -60,23 +60,45 @@ use exact::Target;
 /// # Ok::<(), karui::Error>(())
 /// ```
 pub fn simplify(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<Simplified> {
+    let mut levels = simplify_chain(mesh, &[options.stop], options)?;
+    levels.pop().ok_or(Error::Empty { what: "chain" })
+}
+
+/// As [`simplify`], to one stop after another, each going on from the level
+/// before: the levels of a chain in little more time than the coarsest takes.
+/// `options.stop` is not looked at. Errors and counts are those since the
+/// input, not since the level before.
+///
+/// # Errors
+/// As [`simplify`].
+pub fn simplify_chain(
+    mesh: &TriMesh,
+    stops: &[Stop],
+    options: &SimplifyOptions<'_>,
+) -> Result<Vec<Simplified>> {
     mesh.validate()?;
     check(mesh, options)?;
-    let target = target(mesh, &options.stop);
+    stops.iter().try_for_each(check_stop)?;
     let prepared = wedges::prepare(mesh);
     let state = state::State::new(mesh, &prepared, options);
     if state.surface.alive == 0 {
-        return Ok(unchanged(output::output(mesh, &prepared, state), target));
+        let rest = output::output(mesh, &prepared, &state);
+        let level = |stop| unchanged(rest.clone(), target(mesh, stop));
+        return Ok(stops.iter().map(level).collect());
     }
     let guard = guard::Guard::new(mesh)?;
-    let (state, reached) = exact::run(state, &guard, target)?;
-    Ok(Simplified {
-        mesh: output::output(mesh, &prepared, state),
-        error: reached.error,
-        stopped: reached.stopped,
-        collapses: reached.collapses,
-        blocked: reached.blocked,
-    })
+    let mut driver = Driver::new(state, &guard);
+    let level = |stop| {
+        let reached = driver.advance(target(mesh, stop))?;
+        Ok(Simplified {
+            mesh: output::output(mesh, &prepared, driver.state()),
+            error: reached.error,
+            stopped: reached.stopped,
+            collapses: reached.collapses,
+            blocked: reached.blocked,
+        })
+    };
+    stops.iter().map(level).collect()
 }
 
 fn unchanged(mesh: TriMesh, target: Target) -> Simplified {
@@ -110,8 +132,7 @@ fn target(mesh: &TriMesh, stop: &Stop) -> Target {
     }
 }
 
-fn check(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<()> {
-    let stop = &options.stop;
+fn check_stop(stop: &Stop) -> Result<()> {
     in_range("stop.ratio", stop.ratio, 0.0..=1.0, "between 0 and 1")?;
     in_range("stop.error", stop.error, 0.0..=f64::MAX, "0 or more")?;
     in_range(
@@ -119,7 +140,10 @@ fn check(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<()> {
         stop.relative_error,
         0.0..=f64::MAX,
         "0 or more",
-    )?;
+    )
+}
+
+fn check(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<()> {
     let turn = Some(options.max_normal_turn);
     in_range("max_normal_turn", turn, 0.0..=1.57, "between 0 and pi/2")?;
     in_range(

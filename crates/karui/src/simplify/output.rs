@@ -8,16 +8,12 @@ use glam::Vec3;
 
 /// The mesh that is left: triangles in the input's order, so that ranges stay
 /// together, and the vertices they use.
-pub(crate) fn output(source: &TriMesh, prepared: &Prepared, state: State<'_>) -> TriMesh {
-    let State {
-        surface,
-        attributes,
-        ..
-    } = state;
+pub(crate) fn output(source: &TriMesh, prepared: &Prepared, state: &State<'_>) -> TriMesh {
+    let surface = &state.surface;
     let mut mesh = TriMesh {
         positions: vec![Vec3::ZERO; prepared.source_vertex.len()],
         triangles: vec![[0; 3]; source.triangles.len()],
-        attributes,
+        attributes: state.attributes.clone(),
         face_attributes: source.face_attributes.clone(),
         ranges: source.ranges.clone(),
     };
