@@ -38,9 +38,10 @@ impl<'a> Arbitrary<'a> for Dirty {
         let options = options(u)?;
         let vertices = u.int_in_range(0..=LARGEST)?;
         let mut mesh = TriMesh::new(many(u, vertices, position)?, Vec::new());
+        spoil(u, &mut mesh)?;
         attributes(u, &mut mesh)?;
-        let weights = optional(u, vertices, |u| choose(u, &[0.0, 1.0, 0.5, 1e6, -1.0]))?;
-        let locks = optional(u, vertices, bool::arbitrary)?;
+        let weights = optional(u, vertices, |u| choose(u, &[0.0, 1.0, 0.5, 1e6]))?;
+        let locks = optional(u, vertices, |u| u.arbitrary())?;
         mesh.triangles = triangles(u, vertices)?;
         mesh.ranges = ranges(u, mesh.triangles.len())?;
         Ok(Self {
@@ -52,7 +53,11 @@ impl<'a> Arbitrary<'a> for Dirty {
     }
 }
 
-fn many<T>(u: &mut Unstructured, n: usize, f: fn(&mut Unstructured) -> Result<T>) -> Result<Vec<T>> {
+fn many<T>(
+    u: &mut Unstructured,
+    n: usize,
+    f: fn(&mut Unstructured) -> Result<T>,
+) -> Result<Vec<T>> {
     (0..n).map(|_| f(u)).collect()
 }
 
@@ -69,11 +74,21 @@ fn choose<T: Copy>(u: &mut Unstructured, from: &[T]) -> Result<T> {
 }
 
 fn lattice(u: &mut Unstructured) -> Result<f32> {
-    let value = u8::arbitrary(u)?;
-    Ok(match value {
-        255 => choose(u, &[f32::NAN, f32::INFINITY, 1e38, -1e38, 1e-40, 1e19])?,
-        _ => f32::from(value % 16) / 4.0,
-    })
+    Ok(f32::from(u8::arbitrary(u)? % 16) / 4.0)
+}
+
+/// Sizes at which single precision runs out, and now and then no number at all.
+fn spoil(u: &mut Unstructured, mesh: &mut TriMesh) -> Result<()> {
+    let scale = choose(u, &[1.0, 1.0, 1.0, 1e-30, 1e-20, 1e18, 1e37])?;
+    let offset = choose(u, &[0.0, 0.0, 0.0, 1e6, 3e7])?;
+    for p in &mut mesh.positions {
+        *p = *p * scale + offset;
+    }
+    if u.ratio(1, 32)? && !mesh.positions.is_empty() {
+        let spoilt = u.choose_index(mesh.positions.len())?;
+        mesh.positions[spoilt].y = choose(u, &[f32::NAN, f32::INFINITY])?;
+    }
+    Ok(())
 }
 
 fn position(u: &mut Unstructured) -> Result<Vec3> {
@@ -150,36 +165,39 @@ fn range(first: usize, count: usize, material: usize) -> MaterialRange {
     }
 }
 
+fn bound(u: &mut Unstructured) -> Result<Option<f64>> {
+    if u.ratio(1, 64)? {
+        return choose(u, &[Some(f64::NAN), Some(-1.0), Some(f64::INFINITY)]);
+    }
+    choose(u, &[None, None, None, Some(0.0), Some(1e-3), Some(0.5)])
+}
+
+fn influence(u: &mut Unstructured) -> Result<f64> {
+    if u.ratio(1, 64)? {
+        return choose(u, &[f64::NAN, -1.0, 1e300]);
+    }
+    choose(u, &[0.0, 1.0, 1.0, 100.0])
+}
+
 fn options(u: &mut Unstructured) -> Result<SimplifyOptions<'static>> {
-    const BOUNDS: [Option<f64>; 8] = [
-        None,
-        None,
-        None,
-        Some(0.0),
-        Some(1e-3),
-        Some(0.5),
-        Some(f64::INFINITY),
-        Some(f64::NAN),
-    ];
-    const WEIGHTS: [f64; 5] = [0.0, 1.0, 1.0, 100.0, -1.0];
     Ok(SimplifyOptions {
         stop: Stop {
             triangles: choose(u, &[None, Some(0), Some(1), Some(20), Some(usize::MAX)])?,
-            ratio: choose(u, &BOUNDS)?,
-            error: choose(u, &BOUNDS)?,
-            relative_error: choose(u, &BOUNDS)?,
+            ratio: bound(u)?,
+            error: bound(u)?,
+            relative_error: bound(u)?,
         },
         placement: choose(u, &[Placement::Optimal, Placement::HalfEdge])?,
         cost: choose(u, &[Cost::Memoryless, Cost::Accumulated])?,
         border: choose(u, &[Border::Preserve, Border::Lock, Border::Free])?,
         attributes: AttributeWeights {
-            normal: choose(u, &WEIGHTS)?,
-            uv: choose(u, &WEIGHTS)?,
-            color: choose(u, &WEIGHTS)?,
-            skin: choose(u, &WEIGHTS)?,
+            normal: influence(u)?,
+            uv: influence(u)?,
+            color: influence(u)?,
+            skin: influence(u)?,
         },
-        max_normal_turn: choose(u, &[1.2, 1.2, 0.0, 0.1, 1.57, 3.0, f64::NAN])?,
-        pairs: choose(u, &BOUNDS)?,
+        max_normal_turn: choose(u, &[1.2, 1.2, 1.2, 0.1, 1.57])?,
+        pairs: bound(u)?,
         ..SimplifyOptions::default()
     })
 }

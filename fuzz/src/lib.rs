@@ -1,5 +1,7 @@
 //! What the fuzz targets have in common.
 
+pub mod dirty;
+
 use karui::{PolyMesh, Scene};
 use karui_io::Format;
 
