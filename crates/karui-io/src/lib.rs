@@ -49,3 +49,8 @@ pub use ply::PlyEncoding;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
 pub use warnings::Warnings;
 pub use write::{WriteOptions, write, write_with};
+
+/// The README's snippets compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
