@@ -1,6 +1,6 @@
 //! The chain of one mesh.
 
-use super::level::{Measured, simplify_measured};
+use super::level::{Measured, chain_measured};
 use super::options::{LodOptions, Surroundings};
 use super::parts::Parts;
 use super::{SceneChain, chain_scene};
@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::mesh::{Scene, TriMesh};
 use crate::metrics::{Surface, SurfaceDistance};
 use crate::simplify::{Blocked, SimplifyOptions, Stop, Stopped};
+use std::ops::Range;
 
 /// A mesh's levels of detail, the original not among them.
 #[derive(Debug, Clone)]
@@ -89,23 +90,42 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Builds level `level`, reporting as part `part`.
+    /// Levels that are built together: all that are bounded by counts, for
+    /// one run makes them; every one that is bounded by its measured error,
+    /// for it may take several attempts, alone.
+    pub fn tasks(&self) -> Vec<Range<usize>> {
+        let levels = 0..self.stops.len();
+        if self.stops.iter().any(Stop::bounds_error) {
+            levels.map(|level| level..level + 1).collect()
+        } else {
+            vec![levels]
+        }
+    }
+
+    /// Builds these levels, reporting as part `part`.
     pub fn run(
         &self,
-        level: usize,
+        levels: Range<usize>,
         options: &LodOptions,
         parts: &Parts,
         part: usize,
-    ) -> Result<Measured> {
+    ) -> Result<Vec<Measured>> {
         let progress = parts.part(part);
         let simplify = SimplifyOptions {
-            stop: self.stops[level],
             weights: self.weights,
             progress: &progress,
             ..options.simplify
         };
         let samples = samples(options.samples, self.mesh);
-        simplify_measured(self.mesh, &self.surface, &simplify, samples, options.seed)
+        let stops = &self.stops[levels];
+        chain_measured(
+            self.mesh,
+            &self.surface,
+            stops,
+            &simplify,
+            samples,
+            options.seed,
+        )
     }
 
     /// Sorts what was built into levels and those that are not worth having.

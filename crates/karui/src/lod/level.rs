@@ -5,7 +5,7 @@ use crate::mesh::TriMesh;
 use crate::metrics::surface_distance_between;
 use crate::metrics::{Samples, Surface, SurfaceDistance, SurfaceDistanceOptions};
 use crate::progress::Progress;
-use crate::simplify::{Simplified, SimplifyOptions, Stop, simplify};
+use crate::simplify::{Simplified, SimplifyOptions, Stop, simplify, simplify_chain};
 
 /// A simplified mesh and its true distance to the original.
 #[derive(Debug, Clone)]
@@ -77,6 +77,37 @@ pub fn simplify_measured(
         found = run(options.stop.or_error(bound))?;
     }
     Ok(found)
+}
+
+/// As [`simplify_measured`], to one stop after another. Stops without a bound
+/// on the error share one run of the simplifier.
+///
+/// # Errors
+/// As [`simplify_measured`].
+pub fn chain_measured(
+    mesh: &TriMesh,
+    surface: &Surface,
+    stops: &[Stop],
+    options: &SimplifyOptions<'_>,
+    samples: u64,
+    seed: u64,
+) -> Result<Vec<Measured>> {
+    if stops.iter().any(Stop::bounds_error) {
+        let level = |&stop| {
+            let options = SimplifyOptions { stop, ..*options };
+            simplify_measured(mesh, surface, &options, samples, seed)
+        };
+        return stops.iter().map(level).collect();
+    }
+    let measured = |simplified: Simplified| {
+        let distance = measure(surface, &simplified.mesh, samples, seed, options.progress)?;
+        Ok(Measured {
+            simplified,
+            distance,
+        })
+    };
+    let chain = simplify_chain(mesh, stops, options)?;
+    chain.into_iter().map(measured).collect()
 }
 
 /// The stop with its relative bound turned into an absolute one.

@@ -1,10 +1,10 @@
 //! Chains of levels of detail: ever coarser meshes, each with its measured
 //! error and the distance from which on it may be shown.
 //!
-//! Every level is simplified from the original, not from the level before it:
-//! the collapses of a finer target are a prefix of those of a coarser one, so
-//! nothing is gained by going on, the levels do not depend on each other, and
-//! they are built in parallel. Errors are measured against the original too
+//! The collapses of a finer target are a prefix of those of a coarser one, so
+//! levels that are bounded by counts come out of one run of the simplifier;
+//! levels that are bounded by their measured error do not depend on each other
+//! and are built in parallel. Errors are measured against the original
 //! (two-sided surface distance), never summed up from estimates.
 
 mod chain;
@@ -17,7 +17,7 @@ mod scene;
 mod screen;
 
 pub use chain::{DroppedLevel, LodChain, LodLevel, chain_mesh};
-pub use level::{Measured, simplify_measured};
+pub use level::{Measured, chain_measured, simplify_measured};
 pub use msft::{LinkedScene, to_msft_lod};
 pub use options::{Levels, LodOptions};
 pub use scene::{LevelSummary, SceneChain, chain_scene};

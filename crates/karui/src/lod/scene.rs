@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::mesh::{Scene, TriMesh};
 use crate::metrics::Surface;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The levels of detail of a scene.
 #[derive(Debug, Clone)]
@@ -88,13 +89,13 @@ fn jobs<'a>(scene: &'a Scene, options: &LodOptions<'a>) -> Result<Vec<Option<Job
     scene.meshes.iter().enumerate().map(job).collect()
 }
 
-/// Builds all levels of all jobs at the same time.
+/// Builds all levels of all jobs, what can be at the same time.
 fn build(jobs: &[Option<Job<'_>>], options: &LodOptions<'_>) -> Result<Vec<Vec<super::Measured>>> {
-    let tasks: Vec<(usize, &Job, usize)> = (jobs.iter().enumerate())
+    let tasks: Vec<(usize, &Job, Range<usize>)> = (jobs.iter().enumerate())
         .filter_map(|(m, job)| Some((m, job.as_ref()?)))
-        .flat_map(|(m, job)| (0..job.stops.len()).map(move |level| (m, job, level)))
+        .flat_map(|(m, job)| job.tasks().into_iter().map(move |levels| (m, job, levels)))
         .collect();
-    let weight = |&(_, job, _): &(usize, &Job, usize)| job.mesh.triangles.len() as f32;
+    let weight = |(_, job, _): &(usize, &Job, Range<usize>)| job.mesh.triangles.len() as f32;
     let parts = Parts::new(
         options.progress,
         "levels",
@@ -103,11 +104,11 @@ fn build(jobs: &[Option<Job<'_>>], options: &LodOptions<'_>) -> Result<Vec<Vec<s
     let results: Vec<Result<_>> = tasks
         .par_iter()
         .enumerate()
-        .map(|(part, (_, job, level))| job.run(*level, options, &parts, part))
+        .map(|(part, (_, job, levels))| job.run(levels.clone(), options, &parts, part))
         .collect();
     let mut built: Vec<_> = jobs.iter().map(|_| Vec::new()).collect();
     for (&(m, ..), result) in tasks.iter().zip(results) {
-        built[m].push(result?);
+        built[m].extend(result?);
     }
     Ok(built)
 }

@@ -112,6 +112,12 @@ impl Stop {
         Self::default().or_relative_error(error)
     }
 
+    /// Whether the error is bounded, absolutely or relatively.
+    #[must_use]
+    pub fn bounds_error(&self) -> bool {
+        self.error.is_some() || self.relative_error.is_some()
+    }
+
     /// Also stop before the error passes `error` model units.
     #[must_use]
     pub fn or_error(self, error: f64) -> Self {
