@@ -81,11 +81,12 @@ fn link(linked: &mut LinkedScene, n: usize, meshes: &[u32], coverage: Vec<f32>) 
         linked.left_out.push(n as u32);
         return;
     };
+    let name = scene.nodes[n].name.clone();
     let original = scene.nodes[shown].clone();
     let first = scene.nodes.len() as u32;
     for (i, &mesh) in meshes.iter().enumerate() {
         scene.nodes.push(Node {
-            name: level_name(original.name.as_deref(), i),
+            name: level_name(name.as_deref(), i),
             mesh: Some(mesh),
             lods: None,
             ..original.clone()
@@ -208,6 +209,7 @@ mod tests {
             for &l in &links.nodes {
                 let stand_in = &after.nodes[l as usize];
                 assert_eq!(stand_in.transform, shown.transform);
+                assert!(["n_lod1", "n_lod2"].contains(&stand_in.name.as_deref().unwrap()));
                 let coarser = after.meshes[stand_in.mesh.unwrap() as usize]
                     .mesh
                     .triangles
