@@ -153,7 +153,7 @@ fn write(
         if !linked.left_out.is_empty() {
             let nodes = linked.left_out.len();
             console.warn(&format!(
-                "{nodes} nodes with morph targets and children stay as they are"
+                "{nodes} nodes keep full detail: an extension, or morph targets and children, forbid stand-ins"
             ));
         }
         report.combined_bytes = Some(staged.scene(&name, &linked.scene, options)?);

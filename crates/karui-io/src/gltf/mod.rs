@@ -23,6 +23,7 @@ mod quantize;
 mod read;
 mod read_mesh;
 mod references;
+mod tie;
 mod uri;
 mod write;
 mod write_image;

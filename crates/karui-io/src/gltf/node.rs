@@ -33,6 +33,7 @@ pub(super) fn read_node(raw: &Value, counts: &Counts, at: &At<'_>) -> Result<Nod
         skin: index("skin", counts.skins, "skin")?.map(|s| s as u32),
         children: json::indices(raw, "children", counts.nodes, "node", at)?,
         lods: lod::read(raw, counts.nodes, at)?,
+        ..Node::default()
     })
 }
 

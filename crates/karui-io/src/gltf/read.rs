@@ -10,6 +10,7 @@ use super::{
     primitive::Context,
     read_mesh,
     references::{self, Target},
+    tie,
 };
 use crate::{
     error::{ErrorKind, Result},
@@ -49,6 +50,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<Scene> {
         nodes: read_nodes(&document.json, &budget)?,
         ..Scene::default()
     };
+    tie::mark(&document.json, &mut scene.nodes);
     scene.roots = node::roots(&document.json, &scene.nodes)?;
     let mut context = Context {
         document: &document,

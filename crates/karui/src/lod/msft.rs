@@ -6,16 +6,17 @@
 //! to a new child, and the stand-ins are for that child.
 
 use super::{LodChain, SceneChain};
-use crate::mesh::{LodLinks, NamedMesh, Node, Scene, Transform};
+use crate::mesh::{LodLinks, NamedMesh, Node, NodeTie, Scene};
 
 /// A scene that holds all levels of its meshes, and what it could not hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedScene {
     /// The scene with meshes and nodes appended and [`Node::lods`] set.
     pub scene: Scene,
-    /// Nodes that show their mesh in full detail only, because it has morph
-    /// targets (animations of which have to name the node with the mesh) and
-    /// the node has children.
+    /// Nodes that show their mesh in full detail only: those of which an
+    /// extension may say something about the mesh ([`NodeTie::Mesh`]), and
+    /// those with children and a mesh with morph targets, animations of which
+    /// have to name the node with the mesh.
     pub left_out: Vec<u32>,
 }
 
@@ -89,6 +90,7 @@ fn link(linked: &mut LinkedScene, n: usize, meshes: &[u32], coverage: Vec<f32>) 
             name: level_name(name.as_deref(), i),
             mesh: Some(mesh),
             lods: None,
+            tie: NodeTie::None,
             ..original.clone()
         });
     }
@@ -102,25 +104,25 @@ fn link(linked: &mut LinkedScene, n: usize, meshes: &[u32], coverage: Vec<f32>) 
 /// over its mesh; `None` if there can be none.
 fn node_to_replace(scene: &mut Scene, n: usize) -> Option<usize> {
     let node = &scene.nodes[n];
+    if node.tie == NodeTie::Mesh {
+        return None;
+    }
     let leaf = node.children.is_empty();
     let mesh = &scene.meshes.get(node.mesh? as usize)?.mesh;
     if !mesh.attributes.morphs.is_empty() {
         return leaf.then_some(n);
     }
-    // A skinned mesh stands where its joints put it, whatever its node does. A
-    // file without attachment has neither joints nor animations.
-    if leaf && (node.skin.is_some() || scene.attachment.is_empty()) {
+    // A skinned mesh stands where its joints put it, whatever its node does.
+    if leaf && (node.skin.is_some() || node.tie == NodeTie::None) {
         return Some(n);
     }
     let child = scene.nodes.len();
     let node = &mut scene.nodes[n];
     let moved = Node {
         name: node.name.as_ref().map(|name| format!("{name}_lod0")),
-        transform: Transform::default(),
         mesh: node.mesh.take(),
         skin: node.skin.take(),
-        children: Vec::new(),
-        lods: None,
+        ..Node::default()
     };
     node.children.push(child as u32);
     node.lods = None;
@@ -132,7 +134,7 @@ fn node_to_replace(scene: &mut Scene, n: usize) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::lod::{Levels, LodOptions, chain_scene};
-    use crate::mesh::{Attachment, MorphTarget, shapes};
+    use crate::mesh::{MorphTarget, Transform, shapes};
     use glam::Vec3;
 
     fn node(mesh: Option<u32>, children: &[u32]) -> Node {
@@ -247,7 +249,10 @@ mod tests {
     #[test]
     fn a_node_that_may_be_animated_keeps_what_is_said_about_it() {
         let mut scene = family();
-        scene.attachment = Attachment::new("animations");
+        scene
+            .nodes
+            .iter_mut()
+            .for_each(|node| node.tie = NodeTie::Placement);
         let after = linked(&scene).scene;
         for n in 0..3 {
             assert_eq!((after.nodes[n].mesh, &after.nodes[n].lods), (None, &None));
@@ -259,6 +264,15 @@ mod tests {
         assert!(after.nodes[1].lods.is_some());
         let stand_in = after.nodes[1].lods.as_ref().unwrap().nodes[0];
         assert_eq!(after.nodes[stand_in as usize].skin, Some(0));
+    }
+
+    #[test]
+    fn a_node_with_an_extension_about_its_mesh_is_left_out() {
+        let mut scene = family();
+        scene.nodes[2].tie = NodeTie::Mesh;
+        let after = linked(&scene);
+        assert_eq!(after.left_out, [2]);
+        assert_eq!(after.scene.nodes[2], scene.nodes[2]);
     }
 
     #[test]

@@ -30,6 +30,6 @@ pub use normals::{NormalWeight, vertex_normals};
 pub use poly_mesh::PolyMesh;
 pub use position_ids::PositionIds;
 pub use repair::{RepairCounts, RepairOptions, Repaired, repair};
-pub use scene::{Attachment, LodLinks, NamedMesh, Node, Scene, Transform};
+pub use scene::{Attachment, LodLinks, NamedMesh, Node, NodeTie, Scene, Transform};
 pub use tri_mesh::{MaterialRange, TriMesh};
 pub use weld::{WeldOptions, Welded, weld};

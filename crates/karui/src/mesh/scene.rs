@@ -53,6 +53,23 @@ pub struct Node {
     pub children: Vec<u32>,
     /// Coarser stand-ins for this node (`MSFT_lod`).
     pub lods: Option<LodLinks>,
+    /// What else the file says about this node.
+    pub tie: NodeTie,
+}
+
+/// What else a file says about a node, so that it cannot simply be replaced by
+/// another one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum NodeTie {
+    /// Nothing.
+    #[default]
+    None,
+    /// Something moves it or hangs on it: an animation, a skin, a camera, a
+    /// light. Its mesh may as well be on a child.
+    Placement,
+    /// An extension Karui does not model may be about its mesh, as
+    /// `EXT_mesh_gpu_instancing` is.
+    Mesh,
 }
 
 /// `MSFT_lod`: the nodes that may replace a node, finest first.
@@ -116,12 +133,6 @@ impl Attachment {
     #[must_use]
     pub fn new<T: Any + Send + Sync>(data: T) -> Self {
         Self(Some(Arc::new(data)))
-    }
-
-    /// Whether there is no data.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.0.is_none()
     }
 
     /// The data, if there is any and it is a `T`.
