@@ -11,6 +11,7 @@ mod container;
 mod document;
 mod draco;
 mod encode;
+mod heirs;
 mod json;
 mod lod;
 mod material;

@@ -3,7 +3,7 @@
 
 use super::{
     encode::shorts,
-    json,
+    heirs, json,
     lod::{LOD, weights_target},
     primitive::triangle_mode,
 };
@@ -13,7 +13,6 @@ use serde_json::{Value, json};
 
 /// Name of the extension.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
-const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// A grid of 65,536 points along each axis: position = offset + scale * point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,10 +71,10 @@ impl Grid {
 /// lines, which are passed through as they are.
 pub(super) fn plan(scene: &Scene, json: &Value) -> Vec<Option<Grid>> {
     let mut fits: Vec<bool> = vec![true; scene.meshes.len()];
-    for (n, node) in scene.nodes.iter().enumerate() {
-        let raw = json.pointer(&format!("/nodes/{n}"));
-        let instanced = raw.is_some_and(|r| json::extension(r, INSTANCING).is_some());
-        if let Some(mesh) = node.mesh.filter(|_| node.skin.is_some() || instanced) {
+    let skinned = (0..scene.nodes.len()).filter(|&n| scene.nodes[n].skin.is_some());
+    let instanced = heirs::instanced(scene, json).into_iter();
+    for node in skinned.chain(instanced.flat_map(|(_, nodes)| nodes)) {
+        if let Some(mesh) = scene.nodes[node].mesh {
             fits[mesh as usize] = false;
         }
     }

@@ -1,7 +1,7 @@
 //! From a [`Scene`] to a file.
 
 use super::{
-    GltfSource, container,
+    GltfSource, container, heirs,
     json::{self, ROOT},
     lod::{self, LOD},
     material,
@@ -164,10 +164,12 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
         None => Place::Embedded(&mut packer),
     };
     write_images(&mut json, scene, place);
+    let instanced = heirs::instanced(scene, &json);
     write_nodes(&mut json, scene, source_meshes, |mesh| {
         let morphs = scene.meshes[mesh as usize].mesh.attributes.morphs.len();
         numbers[mesh as usize].map(|number| (number, morphs))
     });
+    heirs::hand_on_instances(&mut json, &instanced);
     share_weights(&mut json, scene);
     place_meshes(&mut json, &numbers, &grids);
     let (accessors, packed) = packer.finish(options.meshopt);
@@ -234,15 +236,16 @@ fn write_materials(json: &mut Value, scene: &Scene) {
 fn share_weights(json: &mut Value, scene: &Scene) {
     let morphs = |node: usize| {
         let mesh = scene.nodes.get(node).and_then(|n| n.mesh);
-        mesh.is_some_and(|m| !scene.meshes[m as usize].mesh.attributes.morphs.is_empty())
+        mesh.map_or(0, |m| scene.meshes[m as usize].mesh.attributes.morphs.len())
     };
+    heirs::hand_on_weights(json, scene, morphs);
     let lods = |node: usize| {
         let lods = scene.nodes.get(node).and_then(|n| n.lods.as_ref());
         lods.map_or_else(Vec::new, |l| l.nodes.clone())
     };
     let animations = json.get_mut("animations").and_then(Value::as_array_mut);
     for animation in animations.into_iter().flatten() {
-        lod::share_weight_channels(animation, morphs, lods);
+        lod::share_weight_channels(animation, |node| morphs(node) > 0, lods);
     }
 }
 
