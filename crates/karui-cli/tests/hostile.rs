@@ -310,7 +310,6 @@ fn gltf() -> Files {
                 },
             }),
         ),
-        ("required", "/extensionsRequired", json!(["EXT_nosuch"])),
     ];
     let mut files: Files = (cases.iter())
         .map(|(name, pointer, value)| {
