@@ -96,6 +96,19 @@ fn lod_separate_and_in_other_formats() {
 }
 
 #[test]
+fn lod_of_what_is_coarse_already_says_so() {
+    let folder = Folder::new();
+    folder.scene(
+        "cube.ply",
+        &karui::Scene::from_mesh(karui::mesh::shapes::cube(1)),
+    );
+    let ran = folder.ok("lod cube.ply -o cube.glb");
+    assert!(ran.err.contains("no level was made"), "{ran:?}");
+    let report = folder.json("cube.report.json");
+    assert_eq!(report["levels"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
 fn lod_by_error_and_by_pixels() {
     let folder = Folder::new();
     folder.terrain("land.ply");

@@ -181,6 +181,9 @@ fn tell_dropped(input: &Input, chain: &SceneChain, console: &Console) {
             lines.push(format!("{stays}: {reason}{advice}"));
         }
     }
+    if lines.is_empty() && chain.level_count() == 1 {
+        console.warn("no level was made: every mesh has too few triangles; --ratio asks for less");
+    }
     lines.iter().take(TOLD).for_each(|line| console.warn(line));
     if lines.len() > TOLD {
         console.warn(&format!(

@@ -218,7 +218,7 @@ const HEAD: &str = "\
 Written by `karui bench models -o docs/measured.md` (release build). Every model is read,
 simplified with the default options, written as GLB, read again and compared with the original.
 
-- s: seconds for simplifying, one thread.
+- s: seconds of processor time for simplifying, one thread.
 - RMS, max: measured two-sided distance, in percent of the diagonal of the mesh; of several meshes
   the worst.
 - flips: triangles that face away from the nearest point of the original, beyond those of the
