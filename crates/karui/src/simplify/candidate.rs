@@ -12,13 +12,18 @@ use super::options::{Cost, Placement};
 use super::quadric::Quadric;
 use super::signal::extrapolated;
 use super::state::{LINE_WEIGHT, State, line};
-use crate::geom::{closest_barycentric, interpolate};
+use crate::geom::{closest_barycentric, closest_point, interpolate};
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 /// Pull towards the middle of the edge where the planes leave a direction
 /// open, as a share of the quadric's trace.
 const PULL: f64 = 1e-4;
+/// Weight of the squared distance between the new vertex and the surface as it
+/// is. Planes go on where their triangles end: on a dome they meet far above
+/// it, at no cost. (Bunny to 10 %: root mean square error 2.37e-4 of the
+/// diagonal without, 2.30 / 2.24 / 2.21 / 2.26 / 2.37e-4 with 0.1, 0.3, 1, 2, 4.)
+const OFF_SURFACE: f64 = 1.0;
 /// Preference for short edges where nothing else decides.
 const SHORT: f64 = 1e-6;
 
@@ -167,7 +172,19 @@ impl State<'_> {
         // What is checked must be what is stored, to the last bit.
         let place = (place + middle).as_vec3().as_dvec3();
         let groups = self.groups(a, b, info, a, true);
-        self.priced(a, b, place, &quadric, middle, groups, info)
+        let off = self.squared_distance_to_stars(a, b, place);
+        let mut c = self.priced(a, b, place, &quadric, middle, groups, info);
+        c.cost += OFF_SURFACE * quadric.weight * off * self.mean_weight(a, b);
+        c
+    }
+
+    /// Squared distance from `place` to the triangles around both points.
+    fn squared_distance_to_stars(&self, a: u32, b: u32, place: DVec3) -> f64 {
+        let corners = self.surface.corners(a).chain(self.surface.corners(b));
+        corners.fold(f64::INFINITY, |least, corner| {
+            let corners = self.surface.places(corner as usize / 3);
+            least.min(place.distance_squared(closest_point(place, corners)))
+        })
     }
 
     fn fixed(&self, kept: u32, removed: u32, info: &EdgeInfo, first: u32) -> Candidate {
