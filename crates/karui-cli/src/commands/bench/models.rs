@@ -65,7 +65,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         if !console.quiet {
             to_stderr(&format!("{}/{} {}", i + 1, files.len(), file.display()));
         }
-        outcomes.push(run_one(file, args)?);
+        let outcome = run_one(file, args)?;
+        for why in [&outcome.refused, &outcome.failed].into_iter().flatten() {
+            console.warn(why);
+        }
+        outcomes.push(outcome);
     }
     let markdown = markdown(args, &outcomes);
     if let (Some(path), Some(staged)) = (&args.output, staged) {
@@ -135,12 +139,9 @@ fn run_one(file: &Path, args: &Args) -> Result<Outcome> {
         .context("starting the process of a model")?;
     let ended = wait(&mut child, Duration::from_secs(args.timeout));
     let [out, err] = [text(child.stdout.take()), text(child.stderr.take())];
-    let told = err
-        .lines()
-        .next()
-        .unwrap_or_default()
-        .trim_start_matches("error: ")
-        .to_owned();
+    let folder = format!("{}/", args.models.display());
+    let told = err.lines().find_map(|l| l.strip_prefix("error: "));
+    let told = told.unwrap_or_default().replace(&folder, "");
     match ended? {
         None => outcome.failed = Some(format!("took more than {} s", args.timeout)),
         Some(0) => outcome.figures = Some(serde_json::from_str(&out).context("reading figures")?),
