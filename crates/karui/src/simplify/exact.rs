@@ -11,6 +11,11 @@ use crate::progress::step;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+/// Triangles at a point from which on its edges are not all priced anew when
+/// one of them changes: at the middle of a fan that would be cubic in the
+/// number of its triangles. Prices are checked again before they are paid.
+const HUB: usize = 256;
+
 /// When the driver stops.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target {
@@ -245,14 +250,16 @@ impl<'a, 'g> Driver<'a, 'g> {
         }
         self.error = self.error.max(error);
         self.collapses += 1;
+        self.around(c.removed, true);
+        let former = std::mem::take(&mut self.second_ring);
         self.state.collapse(c, &mixes);
-        self.after(c);
+        self.after(c, former);
         Ok(())
     }
 
-    /// Prices the edges whose cost the collapse has changed.
-    fn after(&mut self, c: &Candidate) {
-        self.version[c.kept as usize] += 1;
+    /// Prices the edges whose cost the collapse has changed; `former` are the
+    /// neighbours of the point that vanished.
+    fn after(&mut self, c: &Candidate, mut former: Vec<u32>) {
         self.version[c.removed as usize] += 1;
         if let Some(pairs) = &mut self.pairs {
             pairs.merge(c.kept, c.removed);
@@ -262,14 +269,24 @@ impl<'a, 'g> Driver<'a, 'g> {
             self.classify_ring(c.kept);
             self.around(c.kept, false);
         }
+        if self.is_hub(c.kept) {
+            former.retain(|&p| p != c.kept && self.state.marks.has(p));
+            self.ring = former;
+        } else {
+            self.version[c.kept as usize] += 1;
+        }
         self.state.renew_star(c.kept);
         for i in 0..self.ring.len() {
-            self.version[self.ring[i] as usize] += 1;
-            self.state.renew_star(self.ring[i]);
+            let p = self.ring[i];
+            self.version[p as usize] += u32::from(!self.is_hub(p));
+            self.state.renew_star(p);
         }
         for i in 0..self.ring.len() {
             let p = self.ring[i];
             self.push(c.kept, p);
+            if self.is_hub(p) {
+                continue;
+            }
             self.around(p, true);
             for k in 0..self.second_ring.len() {
                 let q = self.second_ring[k];
@@ -280,11 +297,48 @@ impl<'a, 'g> Driver<'a, 'g> {
         }
     }
 
+    fn is_hub(&self, p: u32) -> bool {
+        self.state.surface.corners(p).nth(HUB).is_some()
+    }
+
     fn classify_ring(&mut self, kept: u32) {
         let ring = std::mem::take(&mut self.ring);
         for &p in ring.iter().chain([&kept]) {
             self.state.classify(p, &mut self.second_ring);
         }
         self.ring = ring;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::TriMesh;
+    use crate::simplify::{SimplifyOptions, Stop, simplify};
+    use glam::Vec3;
+
+    /// Two fans of `n` triangles over a circle. Was cubic in `n`.
+    fn double_cone(n: u32) -> TriMesh {
+        let rim = |i: u32| {
+            let (y, x) = (i as f32 / n as f32 * std::f32::consts::TAU).sin_cos();
+            Vec3::new(x, y, 0.0)
+        };
+        let positions = [Vec3::Z, Vec3::NEG_Z].into_iter().chain((0..n).map(rim));
+        let fans = |i| {
+            let (p, q) = (2 + i, 2 + (i + 1) % n);
+            [[0, p, q], [1, q, p]]
+        };
+        TriMesh::new(positions.collect(), (0..n).flat_map(fans).collect())
+    }
+
+    #[test]
+    fn hubs_of_large_fans_are_kept() {
+        let options = SimplifyOptions {
+            stop: Stop::ratio(0.1),
+            ..SimplifyOptions::default()
+        };
+        let coarse = simplify(&double_cone(1000), &options).unwrap();
+        assert!(coarse.mesh.triangles.len() <= 200);
+        assert!(coarse.error < 0.01, "error {}", coarse.error);
+        coarse.mesh.validate().unwrap();
     }
 }
