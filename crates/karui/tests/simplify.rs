@@ -116,6 +116,35 @@ fn a_cube_with_hard_edges_goes_down_to_twelve_triangles() {
 }
 
 #[test]
+fn broken_normals_do_not_hold_a_mesh_up() {
+    // A torus whose normals lean to alternate sides, quad by quad.
+    let mut torus = shapes::torus(2.0, 0.5, 48, 24);
+    let corners: Vec<u32> = torus.triangles.iter().flatten().copied().collect();
+    torus.gather_vertices(&corners);
+    torus.triangles = (0..corners.len() as u32 / 3)
+        .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+        .collect();
+    let tilted = |(i, p): (usize, &Vec3)| {
+        let ring = Vec3::new(p.x, p.y, 0.0).normalize_or_zero() * 2.0;
+        let side = if (i / 6) % 2 == 0 { 0.15 } else { -0.15 };
+        ((*p - ring).normalize() + Vec3::Z * side).normalize()
+    };
+    let normals: Vec<Vec3> = torus.positions.iter().enumerate().map(tilted).collect();
+    torus.attributes.normals = Some(normals);
+    let coarse = to(&torus, Stop::ratio(0.2));
+    assert_eq!(coarse.stopped, Stopped::Target);
+    let normals = coarse.mesh.attributes.normals.as_ref().unwrap();
+    for (t, triangle) in coarse.mesh.triangles.iter().enumerate() {
+        let [a, b, c] = coarse.mesh.corners(t);
+        let own = (b - a).cross(c - a).normalize().as_vec3();
+        for &v in triangle {
+            assert!((normals[v as usize].length() - 1.0).abs() < 1e-4);
+            assert!(normals[v as usize].dot(own) > 0.0);
+        }
+    }
+}
+
+#[test]
 fn the_error_bound_holds_and_is_named() {
     let torus = shapes::torus(1.0, 0.3, 64, 32);
     let coarse = to(&torus, Stop::error(0.01));

@@ -27,6 +27,11 @@ impl<'a> Guard<'a> {
         })
     }
 
+    /// The index over the input.
+    pub fn index(&self) -> &Bvh {
+        &self.index
+    }
+
     /// Largest distance of the new vertex and the centroids of the changed
     /// triangles to the input, model units.
     pub fn check(&self, state: &State<'_>, c: &Candidate) -> Result<f64, Refusal> {

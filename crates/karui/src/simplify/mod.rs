@@ -82,7 +82,7 @@ pub fn simplify_chain(
     let prepared = wedges::prepare(mesh);
     let state = state::State::new(mesh, &prepared, options);
     if state.surface.alive == 0 {
-        let rest = output::output(mesh, &prepared, &state);
+        let rest = output::output(mesh, &prepared, &state, None);
         let level = |stop| unchanged(rest.clone(), target(mesh, stop));
         return Ok(stops.iter().map(level).collect());
     }
@@ -91,7 +91,7 @@ pub fn simplify_chain(
     let level = |stop| {
         let reached = driver.advance(target(mesh, stop))?;
         Ok(Simplified {
-            mesh: output::output(mesh, &prepared, driver.state()),
+            mesh: output::output(mesh, &prepared, driver.state(), Some(guard.index())),
             error: reached.error,
             stopped: reached.stopped,
             collapses: reached.collapses,

@@ -1,14 +1,21 @@
 //! From the simplified surface back to a mesh.
 
 use super::state::State;
-use super::wedges::Prepared;
+use super::wedges::{Normals, Prepared};
 use crate::geom::normal_times_two_areas;
 use crate::mesh::TriMesh;
-use glam::Vec3;
+use crate::spatial::Bvh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// The mesh that is left: triangles in the input's order, so that ranges stay
 /// together, and the vertices they use.
-pub(crate) fn output(source: &TriMesh, prepared: &Prepared, state: &State<'_>) -> TriMesh {
+pub(crate) fn output(
+    source: &TriMesh,
+    prepared: &Prepared,
+    state: &State<'_>,
+    index: Option<&Bvh>,
+) -> TriMesh {
     let surface = &state.surface;
     let mut mesh = TriMesh {
         positions: vec![Vec3::ZERO; prepared.source_vertex.len()],
@@ -29,42 +36,89 @@ pub(crate) fn output(source: &TriMesh, prepared: &Prepared, state: &State<'_>) -
     }
     mesh.retain_triangles(|t| alive[t]);
     mesh.remove_unreferenced_vertices();
-    if prepared.flat {
-        shade_flat(&mut mesh);
+    match (prepared.normals, index) {
+        (Normals::Kept, _) => {}
+        (Normals::LookedUp, Some(index)) => {
+            let normals = looked_up(&mesh, source, index);
+            split_by_normals(&mut mesh, &normals, ALIKE);
+        }
+        _ => {
+            let normals: Vec<[Vec3; 3]> = own_normals(&mesh).map(|n| [n; 3]).collect();
+            split_by_normals(&mut mesh, &normals, EQUAL);
+        }
     }
     mesh
 }
 
-/// Gives every triangle its own normal; vertices whose triangles agree stay
-/// shared.
-fn shade_flat(mesh: &mut TriMesh) {
+/// Cosine above which two normals are one: equal but for rounding.
+const EQUAL: f32 = 0.99999;
+/// Cosine above which two looked-up normals share a vertex: 11 degrees.
+const ALIKE: f32 = 0.98;
+
+fn own_normals(mesh: &TriMesh) -> impl Iterator<Item = Vec3> + '_ {
+    (0..mesh.triangles.len()).map(|t| own_normal(mesh, t))
+}
+
+fn own_normal(mesh: &TriMesh, t: usize) -> Vec3 {
+    normal_times_two_areas(mesh.corners(t))
+        .normalize_or(DVec3::Z)
+        .as_vec3()
+}
+
+/// The input's normal next to every corner, looked up a little inside the
+/// triangle so that it is the one of the right side of a hard edge.
+fn looked_up(mesh: &TriMesh, source: &TriMesh, index: &Bvh) -> Vec<[Vec3; 3]> {
+    let normals = source.attributes.normals.as_deref().unwrap_or_default();
+    let at = |place: DVec3| {
+        let hit = index.closest(place);
+        let corners = source.triangles[hit.triangle as usize];
+        let part = |k: usize| normals[corners[k] as usize].as_dvec3() * hit.barycentric[k];
+        (part(0) + part(1) + part(2)).normalize_or_zero().as_vec3()
+    };
+    let triangle = |t: usize| {
+        let corners = mesh.corners(t);
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let own = own_normal(mesh, t);
+        corners.map(|corner| {
+            let found = at(corner.lerp(center, 0.1));
+            if found.dot(own) > 0.2 { found } else { own }
+        })
+    };
+    (0..mesh.triangles.len())
+        .into_par_iter()
+        .map(triangle)
+        .collect()
+}
+
+/// Gives every corner its normal; corners at one vertex whose normals are
+/// alike stay one vertex, which gets their mean.
+fn split_by_normals(mesh: &mut TriMesh, normals: &[[Vec3; 3]], alike: f32) {
     let count = mesh.positions.len();
     let mut sources: Vec<u32> = (0..count as u32).collect();
-    let mut normals: Vec<Option<Vec3>> = vec![None; count];
+    let mut first: Vec<Option<Vec3>> = vec![None; count];
+    let mut sums = vec![Vec3::ZERO; count];
     let mut copies: Vec<Vec<u32>> = vec![Vec::new(); count];
-    for t in 0..mesh.triangles.len() {
-        let normal = normal_times_two_areas(mesh.corners(t))
-            .normalize_or(glam::DVec3::Z)
-            .as_vec3();
-        for k in 0..3 {
-            let v = mesh.triangles[t][k] as usize;
-            let same = |&u: &u32| normals[u as usize].is_none_or(|n| n.dot(normal) > 0.99999);
-            let known = std::iter::once(v as u32)
-                .chain(copies[v].iter().copied())
-                .find(same);
-            let vertex = known.unwrap_or_else(|| {
+    for (triangle, normals) in mesh.triangles.iter_mut().zip(normals) {
+        for (corner, &normal) in triangle.iter_mut().zip(normals) {
+            let v = *corner;
+            let same = |&u: &u32| first[u as usize].is_none_or(|n| n.dot(normal) > alike);
+            let others = &mut copies[v as usize];
+            let known = std::iter::once(v).chain(others.iter().copied()).find(same);
+            *corner = known.unwrap_or_else(|| {
                 let new = sources.len() as u32;
-                sources.push(v as u32);
-                normals.push(None);
-                copies[v].push(new);
+                sources.push(v);
+                first.push(None);
+                sums.push(Vec3::ZERO);
+                others.push(new);
                 new
             });
-            normals[vertex as usize].get_or_insert(normal);
-            mesh.triangles[t][k] = vertex;
+            first[*corner as usize].get_or_insert(normal);
+            sums[*corner as usize] += normal;
         }
     }
     mesh.gather_vertices(&sources);
-    mesh.attributes.normals = Some(normals.into_iter().map(|n| n.unwrap_or(Vec3::Z)).collect());
+    let unit = |n: Vec3| n.try_normalize().unwrap_or(Vec3::Z);
+    mesh.attributes.normals = Some(sums.into_iter().map(unit).collect());
     straighten_tangents(mesh);
 }
 

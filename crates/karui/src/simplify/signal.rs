@@ -29,17 +29,18 @@ const COLOR: f64 = 0.02;
 const UV: f64 = 0.5;
 
 impl Signal {
-    /// Scales the attributes of `mesh`, seen at its vertices `source_vertex`.
+    /// Scales the attributes of `mesh`, seen at its vertices `source_vertex`;
+    /// normals only if they are wanted.
     pub fn of(
         mesh: &TriMesh,
         source_vertex: &[u32],
         weights: &AttributeWeights,
-        flat: bool,
+        with_normals: bool,
     ) -> Self {
         let diagonal = mesh.bounds().diagonal();
         let mut columns: Vec<(f64, Column<'_>)> = Vec::new();
         let attributes = &mesh.attributes;
-        if let Some(normals) = attributes.normals.as_deref().filter(|_| !flat) {
+        if let Some(normals) = attributes.normals.as_deref().filter(|_| with_normals) {
             columns.push((
                 weights.normal * NORMAL * diagonal,
                 Column::three(move |v| normals[v].to_array()),
@@ -234,7 +235,7 @@ mod tests {
     fn equal_mixtures_do_not_differ() {
         let mesh = shapes::loaded_sphere(6, 8);
         let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-        let signal = Signal::of(&mesh, &all, &AttributeWeights::default(), false);
+        let signal = Signal::of(&mesh, &all, &AttributeWeights::default(), true);
         let one = Mix {
             sources: [0, 5, 9],
             shares: [0.2, 0.3, 0.5],

@@ -5,7 +5,7 @@ use super::options::{Border, Cost, SimplifyOptions};
 use super::quadric::Quadric;
 use super::signal::Signal;
 use super::surface::{Marks, Surface};
-use super::wedges::Prepared;
+use super::wedges::{Normals, Prepared};
 use crate::geom::normal_times_two_areas;
 use crate::mesh::{Attributes, TriMesh};
 use glam::DVec3;
@@ -74,7 +74,7 @@ impl<'a> State<'a> {
             mesh,
             &prepared.source_vertex,
             &options.attributes,
-            prepared.flat,
+            prepared.normals == Normals::Kept,
         );
         let mut state = Self {
             attributes,

@@ -14,9 +14,20 @@ pub(crate) struct Prepared {
     pub source_vertex: Vec<u32>,
     /// Triangle of the source mesh that every triangle stands for.
     pub source_triangle: Vec<u32>,
-    /// Whether every triangle carries its own normal, which then are left out
-    /// and made anew at the end.
-    pub flat: bool,
+    /// What becomes of the normals.
+    pub normals: Normals,
+}
+
+/// What becomes of the normals. Where they break along so many edges that
+/// hardly one could collapse, breaks in them are no seams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Normals {
+    /// They are attributes like any other.
+    Kept,
+    /// Flat shading: every triangle gets its own at the end.
+    Flat,
+    /// At the end they are looked up on the input's surface.
+    LookedUp,
 }
 
 /// Links equal vertices, leaves out triangles without area of their own and
@@ -25,8 +36,16 @@ pub(crate) fn prepare(mesh: &TriMesh) -> Prepared {
     let ids = PositionIds::of_mesh(mesh);
     let whole = Classes::of(mesh, &ids, false);
     let shape = Classes::of(mesh, &ids, true);
-    let flat = shape.count * 10 < whole.count * 9 && is_flat_shaded(mesh);
-    let class = if flat { shape } else { whole };
+    let normals = match shape.count * 10 < whole.count * 9 {
+        false => Normals::Kept,
+        true if is_flat_shaded(mesh) => Normals::Flat,
+        true => Normals::LookedUp,
+    };
+    let class = if normals == Normals::Kept {
+        whole
+    } else {
+        shape
+    };
     let range_of = mesh.range_of_triangles();
     let kept = distinct_triangles(mesh, &ids, &class, &range_of);
     let (points, position_of) = sheets::points(mesh, &ids, &kept, &range_of);
@@ -38,7 +57,7 @@ pub(crate) fn prepare(mesh: &TriMesh) -> Prepared {
         surface: Surface::new(positions, points, wedges),
         source_vertex,
         source_triangle: kept,
-        flat,
+        normals,
     }
 }
 
@@ -112,26 +131,24 @@ fn equal_custom(attribute: &Attribute, a: usize, b: usize) -> bool {
     }
 }
 
-/// Whether the vertex normals are the triangles' own, nearly everywhere.
+/// Whether triangles are shaded flat, nearly all: one normal for all three
+/// corners, more or less their own (that of a quad, say).
 fn is_flat_shaded(mesh: &TriMesh) -> bool {
     let Some(normals) = &mesh.attributes.normals else {
         return false;
     };
-    let (mut own, mut all) = (0usize, 0usize);
+    let (mut flat, mut all) = (0usize, 0usize);
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         let face = normal_times_two_areas(mesh.corners(t))
             .as_vec3()
             .normalize_or_zero();
         if face != Vec3::ZERO {
+            let [a, b, c] = triangle.map(|v| normals[v as usize]);
             all += 1;
-            own += usize::from(
-                triangle
-                    .iter()
-                    .all(|&v| normals[v as usize].dot(face) > 0.9995),
-            );
+            flat += usize::from(a.dot(b) > 0.9998 && a.dot(c) > 0.9998 && a.dot(face) > 0.7);
         }
     }
-    own * 100 >= all * 99
+    flat * 20 >= all * 19
 }
 
 /// Triangles with three different positions, each once.
