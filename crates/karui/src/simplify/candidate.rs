@@ -125,22 +125,15 @@ impl State<'_> {
         let free = match self.class[p as usize] {
             PointClass::Interior => true,
             PointClass::Line(feature) => info.feature(end) == Some(feature),
-            PointClass::Corner => false,
+            PointClass::Corner { .. } => false,
         };
         match (free, self.class[p as usize]) {
             (true, _) if self.wedges_match(p, end, info) => Ok(()),
-            (true, _) | (_, PointClass::Line(Feature::Seam)) => Err(Refusal::Seams),
-            (_, PointClass::Corner) => Err(self.corner_refusal(p)),
+            (true, _)
+            | (_, PointClass::Line(Feature::Seam) | PointClass::Corner { seam: true }) => {
+                Err(Refusal::Seams)
+            }
             _ => Err(Refusal::Topology),
-        }
-    }
-
-    fn corner_refusal(&self, p: u32) -> Refusal {
-        let seam = |e: &(u32, Feature)| e.1 == Feature::Seam;
-        if self.feature_edges(p).iter().any(seam) {
-            Refusal::Seams
-        } else {
-            Refusal::Topology
         }
     }
 

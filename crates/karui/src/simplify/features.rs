@@ -23,7 +23,10 @@ pub(crate) enum PointClass {
     /// Two of one kind: it may vanish along them.
     Line(Feature),
     /// Anything else: it stays where it is.
-    Corner,
+    Corner {
+        /// Whether a seam is among them.
+        seam: bool,
+    },
 }
 
 /// The triangles of an edge and how wedges pair up across its ends.
@@ -85,13 +88,15 @@ pub(crate) fn classify(surface: &Surface, range_of: &[u32], p: u32, ring: &[u32]
     for &n in ring {
         found.extend(edge_info(surface, range_of, p, n).feature(0));
         if found.len() > 2 {
-            return PointClass::Corner;
+            break;
         }
     }
     match found[..] {
         [] => PointClass::Interior,
         [one, other] if one == other => PointClass::Line(one),
-        _ => PointClass::Corner,
+        _ => PointClass::Corner {
+            seam: found.contains(&Feature::Seam),
+        },
     }
 }
 
@@ -115,7 +120,7 @@ mod tests {
                 PointClass::Line(Feature::Border) => 1,
                 PointClass::Line(Feature::Seam) => 2,
                 PointClass::Line(Feature::Complex) => 3,
-                PointClass::Corner => 4,
+                PointClass::Corner { .. } => 4,
             }] += 1;
         }
         counts

@@ -138,7 +138,9 @@ impl<'a> State<'a> {
             let on_border = match self.class[p as usize] {
                 PointClass::Interior => false,
                 PointClass::Line(feature) => feature == Feature::Border,
-                PointClass::Corner => self.feature_edges(p).iter().any(|e| e.1 == Feature::Border),
+                PointClass::Corner { .. } => {
+                    self.feature_edges(p).iter().any(|e| e.1 == Feature::Border)
+                }
             };
             self.locked[p as usize] |= on_border;
         }
