@@ -1,0 +1,56 @@
+//! Speed of simplification: `cargo bench -p karui --bench simplify`.
+#![allow(missing_docs, reason = "benches are named after what they time")]
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use karui::TriMesh;
+use karui::mesh::shapes;
+use karui::simplify::{Cost, Placement, SimplifyOptions, Stop, simplify};
+
+fn main() {
+    divan::main();
+}
+
+fn run(bencher: Bencher<'_, '_>, mesh: TriMesh, options: SimplifyOptions<'static>) {
+    let options = SimplifyOptions {
+        stop: Stop::ratio(0.1),
+        ..options
+    };
+    bencher
+        .counter(ItemsCount::new(mesh.triangles.len()))
+        .bench(|| simplify(&mesh, &options));
+}
+
+/// 20,000 and 80,000 triangles without attributes to 10 %.
+#[divan::bench(args = [100, 200], sample_count = 5)]
+fn terrain(bencher: Bencher<'_, '_>, side: u32) {
+    let mut mesh = shapes::terrain(side, side, 1);
+    mesh.attributes = karui::mesh::Attributes::default();
+    run(bencher, mesh, SimplifyOptions::default());
+}
+
+/// 32,512 triangles with normals, tangents, two UV sets, colours, skin
+/// weights, a morph target and two materials to 10 %.
+#[divan::bench(sample_count = 5)]
+fn loaded_sphere(bencher: Bencher<'_, '_>) {
+    let mesh = shapes::loaded_sphere(128, 128);
+    run(bencher, mesh, SimplifyOptions::default());
+}
+
+#[divan::bench(sample_count = 5)]
+fn sphere_accumulated(bencher: Bencher<'_, '_>) {
+    let options = SimplifyOptions {
+        cost: Cost::Accumulated,
+        ..SimplifyOptions::default()
+    };
+    run(bencher, shapes::icosphere(5), options);
+}
+
+#[divan::bench(sample_count = 5)]
+fn sphere_half_edge(bencher: Bencher<'_, '_>) {
+    let options = SimplifyOptions {
+        placement: Placement::HalfEdge,
+        ..SimplifyOptions::default()
+    };
+    run(bencher, shapes::icosphere(5), options);
+}
