@@ -152,8 +152,9 @@ impl Job<'_> {
         let finer = chain.levels.last();
         let before = finer.map_or(self.mesh.triangles.len(), |l| l.mesh.triangles.len());
         let triangles = simplified.mesh.triangles.len();
-        let worthwhile =
-            triangles < before && triangles as f64 <= options.levels.worthwhile() * before as f64;
+        let worthwhile = triangles < before
+            && triangles as f64 <= options.levels.worthwhile() * before as f64
+            && options.levels.accepts(simplified.stopped);
         let (Some(distance), true) = (distance, worthwhile) else {
             chain.dropped.push(DroppedLevel {
                 asked,
@@ -187,4 +188,31 @@ fn radius(mesh: &TriMesh) -> f64 {
     let center = mesh.bounds().center().as_dvec3();
     let distance = |p: &glam::Vec3| p.as_dvec3().distance(center);
     mesh.positions.iter().map(distance).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lod::Levels;
+    use crate::mesh::shapes;
+    use crate::simplify::Border;
+
+    #[test]
+    fn halving_ends_where_the_mesh_no_longer_lets_it() {
+        let options = LodOptions {
+            levels: Levels::Halving {
+                min_triangles: 1,
+                max_levels: 8,
+            },
+            simplify: SimplifyOptions {
+                border: Border::Lock,
+                ..SimplifyOptions::default()
+            },
+            ..LodOptions::default()
+        };
+        let chain = chain_mesh(&shapes::terrain(16, 16, 1), &options).unwrap();
+        assert!(!chain.levels.is_empty());
+        assert!(chain.levels.iter().all(|l| l.stopped == Stopped::Target));
+        assert_eq!(chain.dropped[0].stopped, Stopped::Locked);
+    }
 }

@@ -4,7 +4,7 @@ use super::Screen;
 use super::screen::positive;
 use crate::error::{Error, Result};
 use crate::progress::{Progress, Silent};
-use crate::simplify::{SimplifyOptions, Stop};
+use crate::simplify::{SimplifyOptions, Stop, Stopped};
 use std::fmt;
 
 /// Which levels a chain has, the original not among them.
@@ -168,6 +168,16 @@ impl Levels {
         match self {
             Self::Halving { .. } => 0.9,
             _ => 1.0,
+        }
+    }
+
+    /// Whether a level that ended like this is one. Halving goes on as long as
+    /// the mesh lets it; what is left after every collapse that seams and
+    /// topology allow, whatever it cost, is not a level to look at.
+    pub(super) fn accepts(&self, stopped: Stopped) -> bool {
+        match self {
+            Self::Halving { .. } => matches!(stopped, Stopped::Target | Stopped::ErrorBound),
+            _ => true,
         }
     }
 }
