@@ -180,10 +180,34 @@ fn text(pipe: Option<impl std::io::Read>) -> String {
     text
 }
 
+/// Days since 1970-01-01.
+fn since_1970() -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.map_or(0, |elapsed| elapsed.as_secs() / 86_400)
+}
+
+/// The date that many days after 1970-01-01 (H. Hinnant, `civil_from_days`).
+fn date(days: u64) -> String {
+    let days = days + 719_468;
+    let (era, of_era) = (days / 146_097, days % 146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let shifted = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * shifted + 2) / 5 + 1;
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
+    let year = era * 400 + year + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02}")
+}
+
 fn markdown(args: &Args, outcomes: &[Outcome]) -> String {
     let mut text = String::from(HEAD);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    text += &format!("Machine: {threads} threads.\n\n");
+    let day = date(since_1970());
+    text += &format!("Machine: {threads} threads. Date: {day}.\n\n");
     text += &figures_table(args, outcomes);
     let lists = [
         (
@@ -257,4 +281,16 @@ fn row(outcome: &Outcome) -> Option<Vec<String>> {
             .map_or_else(|| "?".into(), |mb| format!("{mb:.0}")),
     );
     Some(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    #[test]
+    fn dates_of_known_days() {
+        assert_eq!(date(0), "1970-01-01");
+        assert_eq!(date(11_016), "2000-02-29");
+        assert_eq!(date(20_779), "2026-11-22");
+    }
 }
