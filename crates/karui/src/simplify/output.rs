@@ -3,7 +3,7 @@
 use super::state::State;
 use super::wedges::{Normals, Prepared};
 use crate::geom::normal_times_two_areas;
-use crate::mesh::TriMesh;
+use crate::mesh::{SkinWeights, TriMesh};
 use crate::spatial::Bvh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -36,6 +36,7 @@ pub(crate) fn output(
     }
     mesh.retain_triangles(|t| alive[t]);
     mesh.remove_unreferenced_vertices();
+    normalise_skins(&mut mesh.attributes.skins);
     match (prepared.normals, index) {
         (Normals::Kept, _) => {}
         (Normals::LookedUp, Some(index)) => {
@@ -48,6 +49,18 @@ pub(crate) fn output(
         }
     }
     mesh
+}
+
+/// Makes the skin weights of every vertex sum to 1 over all sets, which those
+/// of a file need not do.
+fn normalise_skins(skins: &mut [Vec<SkinWeights>]) {
+    for v in 0..skins.first().map_or(0, Vec::len) {
+        let sum: f32 = skins.iter().flat_map(|set| set[v].weights).sum();
+        if sum > 0.0 && (sum - 1.0).abs() > 1e-4 {
+            let weights = skins.iter_mut().flat_map(|set| &mut set[v].weights);
+            weights.for_each(|w| *w /= sum);
+        }
+    }
 }
 
 /// Cosine above which two normals are one: equal but for rounding.
