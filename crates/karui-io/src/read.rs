@@ -1,7 +1,7 @@
 //! Reading a file of any format.
 
 use crate::{
-    Format, Warnings,
+    Format,
     error::{Error, ErrorKind, Result},
     gltf, obj, off, ply,
     source::{Source, load},
@@ -53,13 +53,7 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded
     let path = path.as_ref();
     let bytes = load(path, options)?;
     let format = Format::detect(path, &bytes)?;
-    let mut source = Source {
-        name: path,
-        bytes: &bytes,
-        folder: path.parent(),
-        warnings: Warnings::default(),
-    };
-    scene(format, &mut source)
+    scene(format, &mut Source::of_file(path, &bytes))
 }
 
 /// Reads a model that lies in memory, not compressed. `name` is used in
@@ -68,13 +62,7 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded> {
-    let mut source = Source {
-        name: name.as_ref(),
-        bytes,
-        folder: None,
-        warnings: Warnings::default(),
-    };
-    scene(format, &mut source)
+    scene(format, &mut Source::in_memory(name.as_ref(), bytes))
 }
 
 /// Reads a model as one mesh whose polygons are kept (OBJ, PLY, OFF); the
@@ -86,13 +74,7 @@ pub fn read_poly(path: impl AsRef<Path>) -> Result<PolyMesh> {
     let path = path.as_ref();
     let bytes = load(path, &ReadOptions::default())?;
     let format = Format::detect(path, &bytes)?;
-    let mut source = Source {
-        name: path,
-        bytes: &bytes,
-        folder: path.parent(),
-        warnings: Warnings::default(),
-    };
-    poly(format, &mut source)
+    poly(format, &mut Source::of_file(path, &bytes))
 }
 
 /// [`read_poly`] of a model that lies in memory, not compressed.
@@ -100,13 +82,7 @@ pub fn read_poly(path: impl AsRef<Path>) -> Result<PolyMesh> {
 /// # Errors
 /// As [`read`].
 pub fn read_poly_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> Result<PolyMesh> {
-    let mut source = Source {
-        name: name.as_ref(),
-        bytes,
-        folder: None,
-        warnings: Warnings::default(),
-    };
-    poly(format, &mut source)
+    poly(format, &mut Source::in_memory(name.as_ref(), bytes))
 }
 
 fn scene(format: Format, source: &mut Source<'_>) -> Result<Loaded> {

@@ -30,6 +30,26 @@ pub(crate) struct Source<'a> {
     pub warnings: Warnings,
 }
 
+impl<'a> Source<'a> {
+    /// A file whose companions lie beside it.
+    pub fn of_file(path: &'a Path, bytes: &'a [u8]) -> Self {
+        Self {
+            folder: path.parent(),
+            ..Self::in_memory(path, bytes)
+        }
+    }
+
+    /// A model without companions; `name` is for messages.
+    pub fn in_memory(name: &'a Path, bytes: &'a [u8]) -> Self {
+        Self {
+            name,
+            bytes,
+            folder: None,
+            warnings: Warnings::default(),
+        }
+    }
+}
+
 /// Reads a file, inflating it if its name ends in `.gz`.
 pub(crate) fn load(path: &Path, options: &ReadOptions) -> Result<Vec<u8>> {
     let raw = load_raw(path).map_err(|e| Error::file(path, ErrorKind::Io(e)))?;

@@ -2,24 +2,13 @@
 //! which other tools made.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "it is a test")]
 
+mod common;
+
+use common::models;
 use karui::{Scene, TriMesh, mesh::SkinWeights};
 use karui_io::{GltfOptions, WriteOptions};
 use serde_json::Value;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-/// The folder of test models, if it is there.
-fn models() -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models");
-    let folder = std::env::var_os("KARUI_MODELS").map_or(default, PathBuf::from);
-    if folder.join("MANIFEST.tsv").is_file() {
-        return Some(folder);
-    }
-    println!("SKIPPED: no models at {}", folder.display());
-    None
-}
+use std::{fs, path::Path};
 
 /// A line of the manifest about a glTF file.
 struct Listed {

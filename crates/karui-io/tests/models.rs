@@ -3,23 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test")]
 
+mod common;
+
+use common::models;
 use karui::PolyMesh;
 use karui_io::{ErrorKind, Format, ReadOptions};
-use std::{
-    env, fs,
-    path::{Path, PathBuf},
-};
-
-/// Folder of the collection, or `None` with a note that the test is skipped.
-fn models() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models");
-    let folder = env::var_os("KARUI_MODELS").map_or_else(beside, PathBuf::from);
-    if folder.join("MANIFEST.tsv").is_file() {
-        return Some(folder);
-    }
-    println!("SKIPPED: no models in {}", folder.display());
-    None
-}
+use std::{fs, path::Path};
 
 /// A line of the manifest.
 struct Row {

@@ -3,12 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 #![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
 
+mod common;
+
+use common::models;
 use glam::{Vec2, Vec3};
 use karui::TriMesh;
 use karui::mesh::{Components, PositionIds};
 use karui::simplify::{SimplifyOptions, Stop, simplify};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 const TEXTURED: [&str; 6] = [
     "gltf/CesiumMan.glb",
@@ -18,16 +20,6 @@ const TEXTURED: [&str; 6] = [
     "gltf/PalmTree/PalmTree.gltf",
     "hard/sponza.obj.gz",
 ];
-
-fn models() -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models");
-    let folder = std::env::var_os("KARUI_MODELS").map_or(default, PathBuf::from);
-    if folder.join("MANIFEST.tsv").is_file() {
-        return Some(folder);
-    }
-    println!("SKIPPED: no models at {}", folder.display());
-    None
-}
 
 #[test]
 fn attributes_of_textured_models_hold() {

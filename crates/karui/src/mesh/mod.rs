@@ -21,6 +21,8 @@ mod validate;
 mod validate_scene;
 mod weld;
 
+pub(crate) use disjoint_sets::DisjointSets;
+
 pub use attributes::{Attribute, AttributeValues, Attributes, MorphTarget, SkinWeights};
 pub use components::Components;
 pub use diagnose::{TopologyReport, diagnose, diagnose_with};

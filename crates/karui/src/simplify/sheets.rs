@@ -5,7 +5,7 @@
 //! taken for one sheet, so that parts which merely touch stay apart; what is
 //! left is kept together as a non-manifold edge.
 
-use crate::mesh::{PositionIds, TriMesh};
+use crate::mesh::{DisjointSets, PositionIds, TriMesh};
 
 /// A triangle's side: its two positions, sorted, and what tells sheets apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,7 +27,7 @@ pub(crate) fn points(
 ) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut sides = sides(mesh, ids, kept, range_of);
     sides.sort_unstable();
-    let mut fans = Fans::new(kept.len() * 3);
+    let mut fans = DisjointSets::new(kept.len() * 3);
     for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
         link_edge(edge, &mut fans);
     }
@@ -59,7 +59,7 @@ fn sides(mesh: &TriMesh, ids: &PositionIds, kept: &[u32], range_of: &[u32]) -> V
     sides
 }
 
-fn link_edge(edge: &[Side], fans: &mut Fans) {
+fn link_edge(edge: &[Side], fans: &mut DisjointSets) {
     if edge.len() <= 2 {
         link_all(edge.iter(), fans);
         return;
@@ -73,14 +73,14 @@ fn link_edge(edge: &[Side], fans: &mut Fans) {
     link_all(groups().filter(|s| !is_sheet(s)).flatten(), fans);
 }
 
-fn link_all<'a>(sides: impl Iterator<Item = &'a Side>, fans: &mut Fans) {
+fn link_all<'a>(sides: impl Iterator<Item = &'a Side>, fans: &mut DisjointSets) {
     let mut first: Option<&Side> = None;
     for side in sides {
         match first {
             None => first = Some(side),
             Some(one) => {
-                fans.join(one.corner_at(0), side.corner_at(0));
-                fans.join(one.corner_at(1), side.corner_at(1));
+                fans.unite(one.corner_at(0), side.corner_at(0));
+                fans.unite(one.corner_at(1), side.corner_at(1));
             }
         }
     }
@@ -102,7 +102,7 @@ fn number(
     mesh: &TriMesh,
     ids: &PositionIds,
     kept: &[u32],
-    fans: &mut Fans,
+    fans: &mut DisjointSets,
 ) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut point_of_fan = vec![u32::MAX; kept.len() * 3];
     let mut positions = Vec::new();
@@ -121,29 +121,6 @@ fn number(
         triangles.push(points);
     }
     (triangles, positions)
-}
-
-/// Union-find; the least member stands for a set.
-struct Fans(Vec<u32>);
-
-impl Fans {
-    fn new(len: usize) -> Self {
-        Self((0..len as u32).collect())
-    }
-
-    fn find(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            let grand = self.0[self.0[x as usize] as usize];
-            self.0[x as usize] = grand;
-            x = grand;
-        }
-        x
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }
 
 #[cfg(test)]
