@@ -7,6 +7,7 @@
 mod cube;
 mod faulty;
 mod grid;
+mod landscape;
 mod one_sided;
 mod sphere;
 mod textured;
@@ -18,6 +19,7 @@ pub use faulty::{
     touching_parts,
 };
 pub use grid::{grid, height_grid, terrain};
+pub use landscape::landscape;
 pub use one_sided::{klein_bottle, moebius};
 pub use sphere::{icosphere, uv_sphere};
 pub use textured::{loaded_sphere, textured_sphere};
@@ -170,5 +172,6 @@ mod tests {
         assert_eq!(klein_bottle(0, 0), klein_bottle(4, 4));
         assert_eq!(textured_sphere(0, 0), textured_sphere(2, 3));
         assert_eq!(terrain(0, 0, 1), terrain(1, 1, 1));
+        assert_eq!(landscape(0, 0, 1), landscape(1, 1, 1));
     }
 }
