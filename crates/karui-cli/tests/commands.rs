@@ -342,6 +342,63 @@ fn bench_tabulates_a_folder_and_lists_what_is_refused() {
 }
 
 #[test]
+fn bench_simplify_compares_modes_and_keeps_the_page_around_it() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("models")).unwrap();
+    folder.terrain("models/land.ply");
+    folder.write("page.md", "# Figures\n");
+    let few = "bench simplify --models models --targets 0.5 --runs 1 --samples 1000 --sizes 500";
+    let page = format!("{few} --more-than 100 -o page.md -q");
+    folder.ok(&page);
+    let written = String::from_utf8(folder.read("page.md")).unwrap();
+    assert!(written.starts_with("# Figures\n"), "{written}");
+    for (title, row) in [("### Geometry", "| `land.ply`"), ("### Size", "| default ")] {
+        let section = written.split(title).nth(1).expect(title);
+        let row = section.lines().find(|l| l.starts_with(row)).expect(row);
+        assert!(row.contains("default"), "{row}");
+    }
+    folder.ok(&page);
+    let again = String::from_utf8(folder.read("page.md")).unwrap();
+    assert_eq!(again.matches("## Simplification compared").count(), 1);
+
+    let json = folder
+        .ok(&format!("{few} --more-than 100 --workers 1,3 --json -q"))
+        .json();
+    let rows = json["geometry"].as_array().unwrap();
+    assert_eq!(rows.len() % 2, 0);
+    for pair in rows.chunks(2) {
+        // The number of threads changes the time only.
+        assert_eq!(pair[0]["errors"], pair[1]["errors"]);
+        let left = pair[0]["errors"]["triangles"].as_u64().unwrap();
+        assert!((1198..=1200).contains(&left), "{left}");
+        assert!(pair[0]["errors"]["rms"].as_f64().unwrap() < 0.01);
+        assert!(pair[0]["costs"]["wall"]["least"].as_f64().unwrap() > 0.0);
+    }
+    let ran = folder.fails(2, &format!("{few} --more-than 1000000"));
+    assert!(ran.err.contains("no model with more than"), "{ran:?}");
+}
+
+#[test]
+fn bench_simplify_has_peers_or_says_how_to_get_them() {
+    let folder = Folder::new();
+    folder.terrain("land.ply");
+    let args = "bench simplify land.ply --peers --more-than 100 --targets 0.1 --runs 1";
+    let args = format!("{args} --parts geometry --samples 1000 --json -q");
+    if !cfg!(feature = "peers") {
+        let ran = folder.fails(2, &args);
+        assert!(ran.err.contains("--features peers"), "{ran:?}");
+        return;
+    }
+    let json = folder.ok(&args).json();
+    let named = |name: &str| {
+        let rows = json["geometry"].as_array().unwrap().iter();
+        rows.filter(|r| r["name"] == name).count()
+    };
+    assert_eq!(named("meshopt update"), 1, "{json}");
+    assert_eq!(named("meshopt sloppy"), 1, "{json}");
+}
+
+#[test]
 fn quiet_is_quiet_and_json_is_json() {
     let folder = Folder::new();
     folder.terrain("land.ply");

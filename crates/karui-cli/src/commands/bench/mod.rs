@@ -1,7 +1,11 @@
 //! `karui bench`: what Karui does to a folder of models, measured.
 
+mod child;
+mod clock;
 mod models;
 mod one;
+mod page;
+mod simplify;
 
 use crate::console::Console;
 use anyhow::Result;
@@ -17,13 +21,17 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 enum What {
     Models(models::Args),
+    Simplify(simplify::Args),
     One(one::Args),
+    Solo(simplify::solo::Args),
 }
 
 /// Runs the benchmark.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     match &args.what {
         What::Models(args) => models::run(args, console),
+        What::Simplify(args) => simplify::run(args, console),
         What::One(args) => one::run(args, console),
+        What::Solo(args) => simplify::solo::run(args, console),
     }
 }

@@ -1,17 +1,18 @@
 //! `karui bench models`: a folder of models, each in a process of its own.
 
+use super::child;
 use super::one::{Figures, Level};
+use super::page::{Page, machine};
 use crate::console::{Console, to_stderr};
 use crate::failure::Failure;
-use crate::output::Staged;
 use crate::progress::check_cancelled;
 use crate::table::{count, seconds, table};
 use anyhow::{Context as _, Result};
 use karui_io::Format;
 use serde::Serialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Simplify every model of a folder and tabulate what comes out
 ///
@@ -28,7 +29,7 @@ pub struct Args {
         default_value = "../shared/models"
     )]
     models: PathBuf,
-    /// Markdown file to write instead of printing
+    /// Markdown file to write the figures into instead of printing them
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Shares of the triangles to keep
@@ -58,7 +59,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             .hint("name a folder by --models")
             .into());
     }
-    let staged = args.output.as_deref().map(Staged::beside).transpose()?;
+    let page = args.output.as_deref().map(Page::open).transpose()?;
     let mut outcomes = Vec::new();
     for (i, file) in files.iter().enumerate() {
         check_cancelled()?;
@@ -72,10 +73,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         outcomes.push(outcome);
     }
     let markdown = markdown(args, &outcomes);
-    if let (Some(path), Some(staged)) = (&args.output, staged) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        staged.bytes(&name, markdown.as_bytes())?;
-        staged.publish()?;
+    if let Some(page) = page {
+        page.write("karui bench models", &markdown)?;
     } else {
         console.data(&markdown)?;
     }
@@ -94,7 +93,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 /// All files with the extension of a model, in order.
-fn models(folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn models(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -122,92 +121,28 @@ fn run_one(file: &Path, args: &Args) -> Result<Outcome> {
         failed: None,
     };
     let ratios: Vec<String> = args.ratio.iter().map(f64::to_string).collect();
-    let mut child = Command::new(std::env::current_exe()?)
-        .args([
-            "bench",
-            "one",
-            "--json",
-            "--quiet",
-            "--ratio",
-            &ratios.join(","),
-        ])
-        .arg(file)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .context("starting the process of a model")?;
-    let ended = wait(&mut child, Duration::from_secs(args.timeout));
-    let [out, err] = [text(child.stdout.take()), text(child.stderr.take())];
+    let ratios = ratios.join(",");
+    let words = ["bench", "one", "--json", "--quiet", "--ratio", &ratios];
+    let mut words: Vec<OsString> = words.map(OsString::from).into();
+    words.push(file.into());
+    let ended = child::run(&words, &[], Duration::from_secs(args.timeout))?;
     let folder = format!("{}/", args.models.display());
-    let told = err.lines().find_map(|l| l.strip_prefix("error: "));
-    let told = told.unwrap_or_default().replace(&folder, "");
-    match ended? {
+    let told = ended.error.replace(&folder, "");
+    match ended.code {
         None => outcome.failed = Some(format!("took more than {} s", args.timeout)),
-        Some(0) => outcome.figures = Some(serde_json::from_str(&out).context("reading figures")?),
+        Some(0) => {
+            let figures = serde_json::from_str(&ended.out).context("reading figures")?;
+            outcome.figures = Some(figures);
+        }
         Some(2) => outcome.refused = Some(told),
         Some(code) => outcome.failed = Some(format!("exit code {code}: {told}")),
     }
     Ok(outcome)
 }
 
-/// The exit code (-1 for a signal); `None` if the time ran out and the process
-/// was ended.
-fn wait(child: &mut Child, limit: Duration) -> Result<Option<i32>> {
-    let started = Instant::now();
-    loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(Some(status.code().unwrap_or(-1)));
-        }
-        let cancelled = check_cancelled();
-        if cancelled.is_err() || started.elapsed() > limit {
-            child.kill()?;
-            child.wait()?;
-            cancelled?;
-            return Ok(None);
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-/// What the process wrote; it is less than a pipe holds.
-fn text(pipe: Option<impl std::io::Read>) -> String {
-    let mut text = String::new();
-    if let Some(mut pipe) = pipe {
-        // What cannot be read is missed where it is parsed.
-        let _ = pipe.read_to_string(&mut text);
-    }
-    text
-}
-
-/// Days since 1970-01-01.
-fn since_1970() -> u64 {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    now.map_or(0, |elapsed| elapsed.as_secs() / 86_400)
-}
-
-/// The date that many days after 1970-01-01 (H. Hinnant, `civil_from_days`).
-fn date(days: u64) -> String {
-    let days = days + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 {
-        shifted + 3
-    } else {
-        shifted - 9
-    };
-    let year = era * 400 + year + u64::from(month <= 2);
-    format!("{year}-{month:02}-{day:02}")
-}
-
 fn markdown(args: &Args, outcomes: &[Outcome]) -> String {
     let mut text = String::from(HEAD);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let day = date(since_1970());
-    text += &format!("Machine: {threads} threads. Date: {day}.\n\n");
+    text += &format!("{}\n\n", machine());
     text += &figures_table(args, outcomes);
     let lists = [
         (
@@ -281,16 +216,4 @@ fn row(outcome: &Outcome) -> Option<Vec<String>> {
             .map_or_else(|| "?".into(), |mb| format!("{mb:.0}")),
     );
     Some(cells)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::date;
-
-    #[test]
-    fn dates_of_known_days() {
-        assert_eq!(date(0), "1970-01-01");
-        assert_eq!(date(11_016), "2000-02-29");
-        assert_eq!(date(20_779), "2026-11-22");
-    }
 }
