@@ -399,6 +399,28 @@ fn bench_simplify_has_peers_or_says_how_to_get_them() {
 }
 
 #[test]
+fn bench_judge_measures_results_of_others() {
+    let folder = Folder::new();
+    folder.family("family.glb");
+    folder.ok("bench judge family.glb --prepare bare.ply");
+    folder.ok("simplify bare.ply -o coarse.ply --ratio 0.5 -q");
+    let args = "bench judge family.glb bare.ply coarse.ply --samples 5000 --json -q";
+    let judged = folder.ok(args).json();
+    let [same, coarse] = [0, 1].map(|i| judged["results"][i].clone());
+    assert_eq!(same["triangles"], judged["triangles"]);
+    assert!(same["max"].as_f64().unwrap() < 1e-9, "{same}");
+    let measured = folder
+        .ok("measure bare.ply coarse.ply --samples 5000 --json")
+        .json();
+    let [judged, measured] = [&coarse["rms"], &measured["rms_of_diagonal"]].map(|x| x.as_f64());
+    let (judged, measured) = (judged.unwrap(), measured.unwrap());
+    assert!(
+        (judged / measured - 1.0).abs() < 0.05,
+        "{judged} {measured}"
+    );
+}
+
+#[test]
 fn quiet_is_quiet_and_json_is_json() {
     let folder = Folder::new();
     folder.terrain("land.ply");

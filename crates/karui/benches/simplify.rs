@@ -54,3 +54,16 @@ fn sphere_half_edge(bencher: Bencher<'_, '_>) {
     };
     run(bencher, shapes::icosphere(5), options);
 }
+
+/// 20,736 triangles, equally rough everywhere, to 50, 10 and 1 %.
+#[divan::bench(args = [0.5, 0.1, 0.01], sample_count = 3)]
+fn landscape(bencher: Bencher<'_, '_>, ratio: f64) {
+    let mesh = shapes::landscape(144, 72, 7);
+    let options = SimplifyOptions {
+        stop: Stop::ratio(ratio),
+        ..SimplifyOptions::default()
+    };
+    bencher
+        .counter(ItemsCount::new(mesh.triangles.len()))
+        .bench(|| simplify(&mesh, &options));
+}

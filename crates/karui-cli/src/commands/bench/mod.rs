@@ -24,6 +24,7 @@ enum What {
     Simplify(simplify::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
+    Judge(simplify::judge::Args),
 }
 
 /// Runs the benchmark.
@@ -33,5 +34,6 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Simplify(args) => simplify::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
+        What::Judge(args) => simplify::judge::run(args, console),
     }
 }

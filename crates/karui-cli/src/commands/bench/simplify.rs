@@ -5,6 +5,7 @@ mod attributes;
 mod contestants;
 mod errors;
 mod inputs;
+pub mod judge;
 mod peers;
 mod report;
 mod rounds;
