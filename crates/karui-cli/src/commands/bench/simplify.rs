@@ -64,6 +64,9 @@ pub struct Args {
     /// Run meshoptimizer too, in the same process (cargo feature `peers`)
     #[arg(long)]
     peers: bool,
+    /// Run meshoptimizer without ours
+    #[arg(long, requires = "peers", conflicts_with = "quality")]
+    no_ours: bool,
     /// Parts to run
     #[arg(long, value_delimiter = ',', value_enum, default_values_t = [
         Part::Geometry, Part::Attributes, Part::Scaling,
@@ -179,7 +182,10 @@ impl Args {
     fn contestants(&self, kind: Kind) -> Result<Vec<Contestant>> {
         let mut all = Vec::new();
         for (name, _) in MODES {
-            let asked_for = self.quality.is_empty() || self.quality.iter().any(|q| q == name);
+            let asked_for = match self.quality.is_empty() {
+                true => !self.no_ours,
+                false => self.quality.iter().any(|q| q == name),
+            };
             for &threads in self.workers.iter().filter(|_| asked_for) {
                 all.push(Contestant::named(name, threads)?);
             }
