@@ -10,6 +10,7 @@
 mod blend;
 mod candidate;
 mod check;
+mod cluster;
 mod collapse;
 mod exact;
 mod features;
@@ -17,6 +18,7 @@ mod guard;
 mod options;
 mod output;
 mod pairs;
+mod prune;
 mod quadric;
 mod sheets;
 mod signal;
@@ -24,9 +26,11 @@ mod state;
 mod surface;
 mod wedges;
 
+pub use cluster::{ClusterOptions, Clustered, cluster};
 pub use options::{
     AttributeWeights, Blocked, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped,
 };
+pub use prune::{PruneOptions, Pruned, prune};
 pub use quadric::Quadric;
 
 use crate::error::{Error, Result};
