@@ -189,6 +189,86 @@ fn simplify_border_and_weights() {
     );
 }
 
+/// A hundred loose balls: edge collapse ends at a few triangles a ball.
+fn balls() -> karui::TriMesh {
+    let ball = karui::mesh::shapes::icosphere(1);
+    let mut mesh = karui::TriMesh::default();
+    for i in 0..100u8 {
+        let first = mesh.positions.len() as u32;
+        let size = if i == 0 { 0.01 } else { 0.3 };
+        let place = glam::Vec3::new(f32::from(i % 10), f32::from(i / 10), 0.0);
+        mesh.positions
+            .extend(ball.positions.iter().map(|p| *p * size + place));
+        mesh.triangles
+            .extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    mesh
+}
+
+#[test]
+fn simplify_sloppily_and_as_a_fallback() {
+    let folder = Folder::new();
+    folder.scene("balls.ply", &karui::Scene::from_mesh(balls()));
+    let plain = folder.ok("simplify balls.ply -o plain.ply --triangles 200 --json");
+    let before = number(&plain.json(), "/triangles/after");
+    assert!(before > 200.0, "{before}");
+    assert_eq!(plain.json()["clustered"].as_array().map(Vec::len), Some(0));
+
+    let ran = folder.ok("simplify balls.ply -o fallback.ply --triangles 200 --sloppy-fallback");
+    assert!(
+        ran.out.contains("clustered  instead of edge collapse: "),
+        "{ran:?}"
+    );
+    let after = |name: &str| karui_io::read(folder.path(name)).unwrap().triangle_count();
+    assert!((1..=200).contains(&after("fallback.ply")));
+    let ran =
+        folder.ok("simplify balls.ply -o fallback.ply --triangles 200 --sloppy-fallback --json");
+    assert_eq!(
+        ran.json()["clustered"][0]["reason"],
+        plain.json()["stopped"][0]["reason"]
+    );
+
+    folder.ok("simplify balls.ply -o sloppy.ply --triangles 200 --sloppy");
+    assert!((1..=200).contains(&after("sloppy.ply")));
+    // Where edge collapse gets there, the fallback is not used.
+    folder.ok("simplify balls.ply -o a.ply --ratio 0.5 --sloppy-fallback");
+    folder.ok("simplify balls.ply -o b.ply --ratio 0.5");
+    assert_eq!(folder.read("a.ply"), folder.read("b.ply"));
+    folder.fails(
+        2,
+        "simplify balls.ply -o c.ply --ratio 0.5 --sloppy --pairs 1",
+    );
+    // An error asked for holds for what is measured.
+    let ran = folder.ok("simplify balls.ply -o e.ply --error 0.1 --sloppy --json");
+    assert!(number(&ran.json(), "/error/max") <= 0.1);
+
+    folder.ok("lod balls.ply -o lod.glb --triangles 4000,200 --sloppy-fallback");
+    let report = folder.json("lod.report.json");
+    let levels = &report["meshes"][0]["levels"];
+    assert!(levels[0].get("clustered").is_none(), "{levels}");
+    assert!(levels[1]["clustered"].is_string(), "{levels}");
+}
+
+#[test]
+fn simplify_prunes_small_parts() {
+    let folder = Folder::new();
+    folder.scene("balls.ply", &karui::Scene::from_mesh(balls()));
+    let ran = folder.ok("simplify balls.ply -o pruned.ply --ratio 1 --prune 0.04 --json");
+    let report = ran.json();
+    assert_eq!(number(&report, "/triangles/after"), 99.0 * 80.0);
+    assert_eq!(number(&report, "/pruned/parts"), 1.0);
+    let size = number(&report, "/pruned/largest");
+    assert!((0.02..=0.04).contains(&size), "{size}");
+    // All that changed is that a ball is gone, and its size is the error.
+    assert_eq!(number(&report, "/error/max"), size);
+    let ran = folder.ok("simplify balls.ply -o pruned.ply --ratio 0.5 --prune 0.04");
+    assert!(
+        ran.out.contains("pruned     1 parts of 80 triangles"),
+        "{ran:?}"
+    );
+    folder.fails(2, "simplify balls.ply -o c.ply --ratio 0.5 --prune=-1");
+}
+
 #[test]
 fn measure_and_its_map() {
     let folder = Folder::new();

@@ -18,6 +18,10 @@ fn runs_and_threads_change_no_byte() {
             "simplify family.glb -o {}.glb --ratio 0.3 --json",
         ),
         (
+            "sloppy",
+            "simplify family.glb -o {}.glb --ratio 0.1 --sloppy --prune 0.1 --json",
+        ),
+        (
             "measure",
             "measure family.glb land.ply --samples 20000 --map {}.ply --json",
         ),

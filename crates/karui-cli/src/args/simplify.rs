@@ -1,6 +1,9 @@
 //! How triangles are removed; the same for every command that does.
 
+use crate::failure::Failure;
+use anyhow::Result;
 use clap::ValueEnum;
+use karui::lod::Method;
 use karui::simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions};
 
 /// How triangles are removed.
@@ -38,7 +41,32 @@ pub struct SimplifyArgs {
     /// Join parts closer than this, in model units; parts may fuse and holes close
     #[arg(long, value_name = "DISTANCE")]
     pairs: Option<f64>,
+    /// Remove connected parts up to this size (diagonal of their box) first, in model units; the
+    /// size of the largest counts as an error
+    #[arg(long, value_name = "SIZE")]
+    prune: Option<f64>,
+    /// Cluster vertices on a grid instead of collapsing edges: fast, reaches any target, keeps no
+    /// topology
+    #[arg(long, conflicts_with_all = SHAPING)]
+    sloppy: bool,
+    /// Where edge collapse stops before the target, cluster the vertices of what is left
+    #[arg(long, conflicts_with = "sloppy")]
+    sloppy_fallback: bool,
 }
+
+/// Options that clustering has no use for.
+const SHAPING: [&str; 10] = [
+    "border",
+    "lock_border",
+    "weights",
+    "placement",
+    "cost",
+    "normal_weight",
+    "uv_weight",
+    "color_weight",
+    "skin_weight",
+    "pairs",
+];
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum BorderArg {
@@ -87,6 +115,25 @@ impl SimplifyArgs {
             },
             pairs: self.pairs,
             ..SimplifyOptions::default()
+        }
+    }
+
+    /// What makes the levels.
+    pub fn method(&self) -> Method {
+        match (self.sloppy, self.sloppy_fallback) {
+            (true, _) => Method::Cluster,
+            (_, true) => Method::CollapseElseCluster,
+            _ => Method::Collapse,
+        }
+    }
+
+    /// Size up to which parts are removed, model units.
+    pub fn prune(&self) -> Result<Option<f64>> {
+        match self.prune {
+            Some(size) if !(0.0..=f64::MAX).contains(&size) => {
+                Err(Failure::input(format!("--prune is {size}; it must be 0 or more")).into())
+            }
+            size => Ok(size),
         }
     }
 

@@ -103,6 +103,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (report, files) = write(&plan, &input, &chain, &options, args, console)?;
     console.summary(&report.table())?;
     console.document(&report)?;
+    tell_clustered(&chain, console);
     tell_dropped(&input, &chain, console);
     console.summary(&last_line(&report, &files, console))
 }
@@ -118,6 +119,8 @@ fn build(args: &Args, input: &Input, console: &Console) -> Result<SceneChain> {
         levels: args.levels.resolve(),
         screen: args.screen.resolve(),
         simplify: args.simplify.resolve(),
+        method: args.simplify.method(),
+        prune: args.simplify.prune()?,
         weights: weights.as_deref().unwrap_or_default(),
         samples: args.samples,
         progress: &*progress,
@@ -162,6 +165,18 @@ fn write(
     let json = serde_json::to_vec_pretty(&report)?;
     staged.bytes(&plan.report_name(), &json)?;
     Ok((report, staged.publish()?))
+}
+
+/// Levels that clustering had to make, in all meshes.
+fn tell_clustered(chain: &SceneChain, console: &Console) {
+    let levels = chain.chains.iter().flatten().flat_map(|c| &c.levels);
+    let reasons: Vec<_> = levels.filter_map(|l| l.fallback).collect();
+    if let Some(&first) = reasons.first() {
+        let (levels, reason) = (count(reasons.len()), explain::reason(first));
+        console.warn(&format!(
+            "{levels} levels are clustered, edge collapse did not get there; the first: {reason}"
+        ));
+    }
 }
 
 /// Lines about levels left out that are printed; the report has all.

@@ -88,7 +88,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let written = output::write_one(&args.output, &scene, &args.write.resolve())?;
     let outcome = Outcome {
         summary: chain.summary(&input.scene, 1),
-        stopped: stops(&chain),
+        stopped: tally(&chain, stopped),
+        clustered: tally(&chain, |c| c.levels.first()?.fallback),
         bytes: written.bytes,
     };
     console.summary(&outcome.text(&input, &chain))?;
@@ -103,6 +104,8 @@ fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<Sc
     let options = LodOptions {
         levels: Levels::Stops(vec![stop]),
         simplify: args.simplify.resolve(),
+        method: args.simplify.method(),
+        prune: args.simplify.prune()?,
         weights: weights.as_deref().unwrap_or_default(),
         samples: args.samples,
         progress: &*progress,
@@ -115,16 +118,23 @@ struct Outcome {
     summary: LevelSummary,
     /// Reasons why meshes stopped, with the number of meshes, most first.
     stopped: Vec<(Stopped, usize)>,
+    /// Why clustering took over, likewise.
+    clustered: Vec<(Stopped, usize)>,
     bytes: u64,
 }
 
-fn stops(chain: &SceneChain) -> Vec<(Stopped, usize)> {
-    let of_chain = |c: &LodChain| {
-        let level = c.levels.first().map(|l| l.stopped);
-        level.or_else(|| c.dropped.first().map(|d| d.stopped))
-    };
+fn stopped(chain: &LodChain) -> Option<Stopped> {
+    let level = chain.levels.first().map(|l| l.stopped);
+    level.or_else(|| chain.dropped.first().map(|d| d.stopped))
+}
+
+/// How many meshes have each reason, most first.
+fn tally(
+    chain: &SceneChain,
+    reason: impl Fn(&LodChain) -> Option<Stopped>,
+) -> Vec<(Stopped, usize)> {
     let mut counts: Vec<(Stopped, usize)> = Vec::new();
-    for stopped in chain.chains.iter().flatten().filter_map(of_chain) {
+    for stopped in chain.chains.iter().flatten().filter_map(reason) {
         match counts.iter_mut().find(|(s, _)| *s == stopped) {
             Some((_, count)) => *count += 1,
             None => counts.push((stopped, 1)),
@@ -132,6 +142,15 @@ fn stops(chain: &SceneChain) -> Vec<(Stopped, usize)> {
     }
     counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
     counts
+}
+
+fn pruned_line(chain: &SceneChain) -> Option<String> {
+    let pruned = chain.pruned();
+    let (parts, triangles) = (count(pruned.components), count(pruned.triangles));
+    let size = number(pruned.error);
+    (pruned.components > 0).then(|| {
+        format!("pruned     {parts} parts of {triangles} triangles, the largest {size} across")
+    })
 }
 
 impl Outcome {
@@ -168,12 +187,20 @@ impl Outcome {
                 of_diagonal(rms),
             ),
         ];
+        lines.extend(pruned_line(chain));
+        let of = |meshes: usize| match chain.chains.len() {
+            0 | 1 => String::new(),
+            _ => format!(" ({meshes} meshes)"),
+        };
+        for &(reason, meshes) in &self.clustered {
+            lines.push(format!(
+                "clustered  instead of edge collapse{}: {}",
+                of(meshes),
+                explain::reason(reason)
+            ));
+        }
         for &(stopped, meshes) in &self.stopped {
-            let of = if chain.chains.len() > 1 {
-                format!(" ({meshes} meshes)")
-            } else {
-                String::new()
-            };
+            let of = of(meshes);
             let advice = explain::advice(stopped).map_or(String::new(), |a| format!("; {a}"));
             lines.push(format!(
                 "stopped    {}{of}{advice}",
@@ -187,12 +214,15 @@ impl Outcome {
         let before = chain.summary(&input.scene, 0);
         let s = self.summary;
         let stopped = |&(why, meshes): &(Stopped, usize)| json!({ "reason": explain::key(why), "meshes": meshes, "advice": explain::advice(why) });
+        let pruned = chain.pruned();
         json!({
             "input": args.input, "output": args.output, "bytes": self.bytes,
             "triangles": { "before": before.triangles, "after": s.triangles },
             "vertices": { "before": before.vertices, "after": s.vertices },
             "diagonal": chain.diagonal,
             "error": { "max": s.max, "mean": s.mean, "rms": s.rms },
+            "pruned": { "parts": pruned.components, "triangles": pruned.triangles, "largest": pruned.error },
+            "clustered": self.clustered.iter().map(stopped).collect::<Vec<_>>(),
             "stopped": self.stopped.iter().map(stopped).collect::<Vec<_>>(),
         })
     }

@@ -1,13 +1,14 @@
 //! The chain of one mesh.
 
-use super::level::{Measured, chain_measured};
+use super::level::{Measured, Measuring};
 use super::options::{LodOptions, Surroundings};
 use super::parts::Parts;
 use super::{SceneChain, chain_scene};
 use crate::error::Result;
 use crate::mesh::{Scene, TriMesh};
 use crate::metrics::{Surface, SurfaceDistance};
-use crate::simplify::{Blocked, SimplifyOptions, Stop, Stopped};
+use crate::simplify::{Blocked, PruneOptions, SimplifyOptions, Stop, Stopped, prune};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A mesh's levels of detail, the original not among them.
@@ -26,6 +27,19 @@ pub struct LodChain {
     pub area: f64,
     /// Instances of the mesh in the scene.
     pub instances: usize,
+    /// Parts pruned before any level was made.
+    pub pruned: Removed,
+}
+
+/// Parts that were pruned.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Removed {
+    /// Number of parts.
+    pub components: usize,
+    /// Triangles of theirs.
+    pub triangles: usize,
+    /// Size of the largest, in the unit of the mesh.
+    pub error: f64,
 }
 
 /// One level of detail.
@@ -37,12 +51,16 @@ pub struct LodLevel {
     pub asked: Stop,
     /// Why simplification went no further.
     pub stopped: Stopped,
+    /// Why edge collapse had stopped, if clustering has taken over
+    /// ([`Method::CollapseElseCluster`](super::Method)).
+    pub fallback: Option<Stopped>,
     /// What stood in its way.
     pub blocked: Blocked,
     /// The simplifier's own estimate of the error, in the unit of the mesh.
     pub estimate: f64,
     /// Measured distance between the original (`a`) and this level (`b`), in
-    /// the unit of the mesh.
+    /// the unit of the mesh. Parts that were pruned are not measured; the
+    /// maximum is their size if that is larger.
     pub distance: SurfaceDistance,
     /// Largest error this level is taken to have, in the world's unit: the
     /// largest measured one of this level and all finer ones.
@@ -81,15 +99,47 @@ pub fn chain_mesh(mesh: &TriMesh, options: &LodOptions<'_>) -> Result<LodChain> 
 
 /// A mesh on its way to become a chain.
 pub(super) struct Job<'a> {
-    pub mesh: &'a TriMesh,
+    pub mesh: Cow<'a, TriMesh>,
+    /// What it was before it was pruned.
+    pub original: &'a TriMesh,
+    pub pruned: Removed,
     pub surface: Surface,
     pub around: Surroundings,
     pub instances: usize,
-    pub weights: Option<&'a [f32]>,
+    pub weights: Option<Cow<'a, [f32]>>,
+    pub locks: Option<Cow<'a, [bool]>>,
     pub stops: Vec<Stop>,
 }
 
 impl Job<'_> {
+    /// Without the parts up to this size in the world. Shares of the triangles
+    /// stay those of the original.
+    pub fn pruned(mut self, size: Option<f64>) -> Result<Self> {
+        let Some(size) = size else { return Ok(self) };
+        let options = PruneOptions::error(size / self.around.scale);
+        let pruned = prune(self.original, &options)?;
+        if pruned.components == 0 {
+            return Ok(self);
+        }
+        self.surface = Surface::new(&pruned.mesh)?;
+        self.weights = self
+            .weights
+            .map(|w| Cow::Owned(chosen(&w, &pruned.vertices)));
+        self.locks = self.locks.map(|l| Cow::Owned(chosen(&l, &pruned.vertices)));
+        for stop in &mut self.stops {
+            let share = |ratio: f64| (ratio * self.original.triangles.len() as f64).round();
+            let of_ratio = stop.ratio.take().map(|ratio| share(ratio) as usize);
+            stop.triangles = stop.triangles.max(of_ratio);
+        }
+        self.pruned = Removed {
+            components: pruned.components,
+            triangles: pruned.triangles,
+            error: pruned.error,
+        };
+        self.mesh = Cow::Owned(pruned.mesh);
+        Ok(self)
+    }
+
     /// Levels that are built together: all that are bounded by counts, for
     /// one run makes them; every one that is bounded by its measured error,
     /// for it may take several attempts, alone.
@@ -111,21 +161,20 @@ impl Job<'_> {
         part: usize,
     ) -> Result<Vec<Measured>> {
         let progress = parts.part(part);
-        let simplify = SimplifyOptions {
-            weights: self.weights,
-            progress: &progress,
-            ..options.simplify
+        let measuring = Measuring {
+            mesh: &self.mesh,
+            surface: &self.surface,
+            options: SimplifyOptions {
+                weights: self.weights.as_deref(),
+                locks: self.locks.as_deref(),
+                progress: &progress,
+                ..options.simplify
+            },
+            method: options.method,
+            samples: samples(options.samples, &self.mesh),
+            seed: options.seed,
         };
-        let samples = samples(options.samples, self.mesh);
-        let stops = &self.stops[levels];
-        chain_measured(
-            self.mesh,
-            &self.surface,
-            stops,
-            &simplify,
-            samples,
-            options.seed,
-        )
+        measuring.chain(&self.stops[levels])
     }
 
     /// Sorts what was built into levels and those that are not worth having.
@@ -134,9 +183,10 @@ impl Job<'_> {
             levels: Vec::new(),
             dropped: Vec::new(),
             scale: self.around.scale,
-            radius: self.around.scale * radius(self.mesh),
+            radius: self.around.scale * radius(self.original),
             area: self.surface.area(),
             instances: self.instances,
+            pruned: self.pruned,
         };
         for (&asked, measured) in self.stops.iter().zip(built) {
             self.add(&mut chain, asked, measured, options);
@@ -148,14 +198,15 @@ impl Job<'_> {
         let Measured {
             simplified,
             distance,
+            fallback,
         } = measured;
         let finer = chain.levels.last();
-        let before = finer.map_or(self.mesh.triangles.len(), |l| l.mesh.triangles.len());
+        let before = finer.map_or(self.original.triangles.len(), |l| l.mesh.triangles.len());
         let triangles = simplified.mesh.triangles.len();
         let worthwhile = triangles < before
             && triangles as f64 <= options.levels.worthwhile() * before as f64
             && options.levels.accepts(simplified.stopped);
-        let (Some(distance), true) = (distance, worthwhile) else {
+        let (Some(mut distance), true) = (distance, worthwhile) else {
             chain.dropped.push(DroppedLevel {
                 asked,
                 triangles,
@@ -164,11 +215,13 @@ impl Job<'_> {
             });
             return;
         };
+        distance.a_to_b.max = distance.a_to_b.max.max(self.pruned.error);
         let error = (distance.max() * chain.scale).max(finer.map_or(0.0, |l| l.error));
         chain.levels.push(LodLevel {
             mesh: simplified.mesh,
             asked,
             stopped: simplified.stopped,
+            fallback,
             blocked: simplified.blocked,
             estimate: simplified.error,
             distance,
@@ -176,6 +229,12 @@ impl Job<'_> {
             switch_distance: options.screen.switch_distance(error),
         });
     }
+}
+
+fn chosen<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
+    // Of too short a list the simplifier tells how long it should be.
+    let value = |&v: &u32| values.get(v as usize).copied();
+    sources.iter().filter_map(value).collect()
 }
 
 /// Fewer samples for small meshes, of which a scene may have thousands.

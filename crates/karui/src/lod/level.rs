@@ -1,11 +1,11 @@
 //! One level: simplified, then measured against the original.
 
+use super::method::{Made, Method};
 use crate::error::Result;
 use crate::mesh::TriMesh;
 use crate::metrics::surface_distance_between;
 use crate::metrics::{Samples, Surface, SurfaceDistance, SurfaceDistanceOptions};
-use crate::progress::Progress;
-use crate::simplify::{Simplified, SimplifyOptions, Stop, simplify, simplify_chain};
+use crate::simplify::{Simplified, SimplifyOptions, Stop, Stopped};
 
 /// A simplified mesh and its true distance to the original.
 #[derive(Debug, Clone)]
@@ -15,6 +15,9 @@ pub struct Measured {
     /// From the original to the simplified surface and back; `None` if no
     /// triangle is left.
     pub distance: Option<SurfaceDistance>,
+    /// Why edge collapse had stopped, if clustering has taken over
+    /// ([`Method::CollapseElseCluster`]).
+    pub fallback: Option<Stopped>,
 }
 
 impl Measured {
@@ -41,7 +44,7 @@ const AIM: f64 = 0.9;
 /// samples each direction takes.
 ///
 /// # Errors
-/// As [`simplify`] and [`surface_distance_between`].
+/// As [`simplify`](crate::simplify::simplify()) and [`surface_distance_between`].
 pub fn simplify_measured(
     mesh: &TriMesh,
     surface: &Surface,
@@ -49,34 +52,7 @@ pub fn simplify_measured(
     samples: u64,
     seed: u64,
 ) -> Result<Measured> {
-    let options = SimplifyOptions {
-        stop: absolute(options.stop, mesh),
-        ..*options
-    };
-    let run = |stop| {
-        let options = SimplifyOptions { stop, ..options };
-        attempt(surface, mesh, &options, samples, seed)
-    };
-    let mut found = run(options.stop)?;
-    let Some(allowed) = options.stop.error else {
-        return Ok(found);
-    };
-    // What rounding to 32 bits may move a vertex by is nobody's error.
-    let rounding = f64::from(f32::EPSILON) * surface.bounds().diagonal();
-    let mut bound = allowed;
-    for _ in 1..ATTEMPTS {
-        let max = found.max();
-        if max <= allowed + rounding {
-            break;
-        }
-        bound *= if max.is_finite() {
-            AIM * allowed / max
-        } else {
-            0.1
-        };
-        found = run(options.stop.or_error(bound))?;
-    }
-    Ok(found)
+    Measuring::new(mesh, surface, options, samples, seed).level(options.stop)
 }
 
 /// As [`simplify_measured`], to one stop after another. Stops without a bound
@@ -92,22 +68,99 @@ pub fn chain_measured(
     samples: u64,
     seed: u64,
 ) -> Result<Vec<Measured>> {
-    if stops.iter().any(Stop::bounds_error) {
-        let level = |&stop| {
-            let options = SimplifyOptions { stop, ..*options };
-            simplify_measured(mesh, surface, &options, samples, seed)
-        };
-        return stops.iter().map(level).collect();
+    Measuring::new(mesh, surface, options, samples, seed).chain(stops)
+}
+
+/// A mesh whose levels are to be made and measured.
+pub(super) struct Measuring<'a> {
+    pub mesh: &'a TriMesh,
+    pub surface: &'a Surface,
+    pub options: SimplifyOptions<'a>,
+    pub method: Method,
+    pub samples: u64,
+    pub seed: u64,
+}
+
+impl<'a> Measuring<'a> {
+    fn new(
+        mesh: &'a TriMesh,
+        surface: &'a Surface,
+        options: &SimplifyOptions<'a>,
+        samples: u64,
+        seed: u64,
+    ) -> Self {
+        Self {
+            mesh,
+            surface,
+            options: *options,
+            method: Method::default(),
+            samples,
+            seed,
+        }
     }
-    let measured = |simplified: Simplified| {
-        let distance = measure(surface, &simplified.mesh, samples, seed, options.progress)?;
+
+    /// One level, made again until a bound on its error holds when measured.
+    pub fn level(&self, stop: Stop) -> Result<Measured> {
+        let stop = absolute(stop, self.mesh);
+        let mut found = self.attempt(stop)?;
+        let Some(allowed) = stop.error else {
+            return Ok(found);
+        };
+        // What rounding to 32 bits may move a vertex by is nobody's error.
+        let rounding = f64::from(f32::EPSILON) * self.surface.bounds().diagonal();
+        let mut bound = allowed;
+        for _ in 1..ATTEMPTS {
+            let max = found.max();
+            if max <= allowed + rounding {
+                break;
+            }
+            bound *= if max.is_finite() {
+                AIM * allowed / max
+            } else {
+                0.1
+            };
+            found = self.attempt(stop.or_error(bound))?;
+        }
+        Ok(found)
+    }
+
+    /// One level after another.
+    pub fn chain(&self, stops: &[Stop]) -> Result<Vec<Measured>> {
+        if stops.iter().any(Stop::bounds_error) {
+            return stops.iter().map(|&stop| self.level(stop)).collect();
+        }
+        let made = self.method.make_chain(self.mesh, stops, &self.options)?;
+        made.into_iter().map(|made| self.measured(made)).collect()
+    }
+
+    fn attempt(&self, stop: Stop) -> Result<Measured> {
+        let options = SimplifyOptions {
+            stop,
+            ..self.options
+        };
+        self.measured(self.method.make(self.mesh, &options)?)
+    }
+
+    fn measured(&self, made: Made) -> Result<Measured> {
         Ok(Measured {
-            simplified,
-            distance,
+            distance: self.distance(&made.simplified.mesh)?,
+            simplified: made.simplified,
+            fallback: made.fallback,
         })
-    };
-    let chain = simplify_chain(mesh, stops, options)?;
-    chain.into_iter().map(measured).collect()
+    }
+
+    fn distance(&self, coarse: &TriMesh) -> Result<Option<SurfaceDistance>> {
+        if coarse.triangles.is_empty() {
+            return Ok(None);
+        }
+        let options = SurfaceDistanceOptions {
+            samples: Samples::Count(self.samples),
+            seed: self.seed,
+            progress: self.options.progress,
+            ..SurfaceDistanceOptions::default()
+        };
+        surface_distance_between(self.surface, &Surface::new(coarse)?, &options).map(Some)
+    }
 }
 
 /// The stop with its relative bound turned into an absolute one.
@@ -121,38 +174,4 @@ fn absolute(stop: Stop, mesh: &TriMesh) -> Stop {
         relative_error: None,
         ..stop
     }
-}
-
-fn attempt(
-    surface: &Surface,
-    mesh: &TriMesh,
-    options: &SimplifyOptions<'_>,
-    samples: u64,
-    seed: u64,
-) -> Result<Measured> {
-    let simplified = simplify(mesh, options)?;
-    let distance = measure(surface, &simplified.mesh, samples, seed, options.progress)?;
-    Ok(Measured {
-        simplified,
-        distance,
-    })
-}
-
-fn measure(
-    surface: &Surface,
-    coarse: &TriMesh,
-    samples: u64,
-    seed: u64,
-    progress: &dyn Progress,
-) -> Result<Option<SurfaceDistance>> {
-    if coarse.triangles.is_empty() {
-        return Ok(None);
-    }
-    let options = SurfaceDistanceOptions {
-        samples: Samples::Count(samples),
-        seed,
-        progress,
-        ..SurfaceDistanceOptions::default()
-    };
-    surface_distance_between(surface, &Surface::new(coarse)?, &options).map(Some)
 }

@@ -9,6 +9,7 @@
 
 mod chain;
 mod level;
+mod method;
 mod msft;
 mod options;
 mod parts;
@@ -16,8 +17,9 @@ mod scale;
 mod scene;
 mod screen;
 
-pub use chain::{DroppedLevel, LodChain, LodLevel, chain_mesh};
+pub use chain::{DroppedLevel, LodChain, LodLevel, Removed, chain_mesh};
 pub use level::{Measured, chain_measured, simplify_measured};
+pub use method::Method;
 pub use msft::{LinkedScene, to_msft_lod};
 pub use options::{Levels, LodOptions};
 pub use scene::{LevelSummary, SceneChain, chain_scene};

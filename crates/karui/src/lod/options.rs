@@ -1,7 +1,7 @@
 //! What a caller may ask of a chain.
 
-use super::Screen;
 use super::screen::positive;
+use super::{Method, Screen};
 use crate::error::{Error, Result};
 use crate::progress::{Progress, Silent};
 use crate::simplify::{SimplifyOptions, Stop, Stopped};
@@ -54,6 +54,12 @@ pub struct LodOptions<'a> {
     /// How to simplify. Its `stop`, `weights` and `progress` are not used; its
     /// `locks` only for a single mesh.
     pub simplify: SimplifyOptions<'a>,
+    /// What makes the levels. Default: [`Method::Collapse`].
+    pub method: Method,
+    /// Size in the world, at the largest instance, up to which connected parts
+    /// are removed before any level is made
+    /// ([`prune`](crate::simplify::prune())). Default: `None`.
+    pub prune: Option<f64>,
     /// Simplification weights of every mesh; none for meshes beyond its end.
     pub weights: &'a [Option<Vec<f32>>],
     /// Face samples, and as many edge samples, each direction of a measurement
@@ -72,6 +78,8 @@ impl Default for LodOptions<'_> {
             levels: Levels::default(),
             screen: Screen::default(),
             simplify: SimplifyOptions::default(),
+            method: Method::default(),
+            prune: None,
             weights: &[],
             samples: 200_000,
             seed: 0,
@@ -86,6 +94,8 @@ impl fmt::Debug for LodOptions<'_> {
             .field("levels", &self.levels)
             .field("screen", &self.screen)
             .field("simplify", &self.simplify)
+            .field("method", &self.method)
+            .field("prune", &self.prune)
             .field("weights", &self.weights.len())
             .field("samples", &self.samples)
             .field("seed", &self.seed)

@@ -4,11 +4,12 @@ use super::chain::Job;
 use super::options::Surroundings;
 use super::parts::Parts;
 use super::scale::largest_stretch;
-use super::{LodChain, LodLevel, LodOptions, Screen};
+use super::{LodChain, LodLevel, LodOptions, Removed, Screen};
 use crate::error::Result;
 use crate::mesh::{Scene, TriMesh};
 use crate::metrics::Surface;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The levels of detail of a scene.
@@ -76,15 +77,22 @@ fn jobs<'a>(scene: &'a Scene, options: &LodOptions<'a>) -> Result<Vec<Option<Job
             diagonal,
             scale: placed[m].scale(),
         };
-        let count = mesh.triangles.len();
-        Ok(Some(Job {
-            mesh,
+        let weights = options.weights.get(m).and_then(Option::as_deref);
+        let stops = options
+            .levels
+            .stops(mesh.triangles.len(), around, &options.screen);
+        let job = Job {
             surface: Surface::new(mesh)?,
+            mesh: Cow::Borrowed(mesh),
+            original: mesh,
+            pruned: Removed::default(),
             around,
             instances: placed[m].instances,
-            weights: options.weights.get(m).and_then(Option::as_deref),
-            stops: options.levels.stops(count, around, &options.screen),
-        }))
+            weights: weights.map(Cow::Borrowed),
+            locks: options.simplify.locks.map(Cow::Borrowed),
+            stops,
+        };
+        job.pruned(options.prune).map(Some)
     };
     scene.meshes.iter().enumerate().map(job).collect()
 }
@@ -175,6 +183,18 @@ impl SceneChain {
     pub fn level_count(&self) -> usize {
         let counts = self.chains.iter().flatten().map(|c| c.levels.len());
         1 + counts.max().unwrap_or(0)
+    }
+
+    /// Parts pruned from all meshes, each counted once; the size of the largest
+    /// in the world's unit.
+    #[must_use]
+    pub fn pruned(&self) -> Removed {
+        let chains = self.chains.iter().flatten();
+        chains.fold(Removed::default(), |sum, chain| Removed {
+            components: sum.components + chain.pruned.components,
+            triangles: sum.triangles + chain.pruned.triangles,
+            error: sum.error.max(chain.pruned.error * chain.scale),
+        })
     }
 
     /// The scene with every mesh at level `level`, 0 being the original, or at

@@ -69,8 +69,19 @@ struct MeshReport {
     instances: usize,
     /// Largest stretch of any instance.
     scale: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pruned: Option<PrunedReport>,
     levels: Vec<MeshLevel>,
     left_out: Vec<LeftOut>,
+}
+
+/// Parts removed from a mesh.
+#[derive(Debug, Serialize)]
+struct PrunedReport {
+    parts: usize,
+    triangles: usize,
+    /// Size of the largest.
+    largest: f64,
 }
 
 /// One level of one mesh; errors in the unit of the mesh.
@@ -82,6 +93,9 @@ struct MeshLevel {
     error: Error,
     estimate: f64,
     stopped: &'static str,
+    /// Why edge collapse had stopped where clustering has taken over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clustered: Option<&'static str>,
     /// In model units.
     switch_distance: f64,
 }
@@ -130,6 +144,7 @@ impl Report {
                     vertices: named.mesh.positions.len(),
                     instances: chain.as_ref().map_or(0, |c| c.instances),
                     scale: chain.as_ref().map_or(1.0, |c| c.scale),
+                    pruned: chain.as_ref().and_then(pruned),
                     levels: of_chain(chain, |c| c.levels.iter().map(mesh_level).collect()),
                     left_out: of_chain(chain, |c| c.dropped.iter().map(left_out).collect()),
                 })
@@ -199,6 +214,15 @@ fn row(input: &Input, chain: &SceneChain, level: usize) -> Row {
     }
 }
 
+fn pruned(chain: &LodChain) -> Option<PrunedReport> {
+    let removed = chain.pruned;
+    (removed.components > 0).then_some(PrunedReport {
+        parts: removed.components,
+        triangles: removed.triangles,
+        largest: removed.error,
+    })
+}
+
 fn mesh_level(level: &LodLevel) -> MeshLevel {
     MeshLevel {
         asked: asked(&level.asked),
@@ -211,6 +235,7 @@ fn mesh_level(level: &LodLevel) -> MeshLevel {
         },
         estimate: level.estimate,
         stopped: explain::key(level.stopped),
+        clustered: level.fallback.map(explain::key),
         switch_distance: level.switch_distance,
     }
 }
