@@ -39,6 +39,8 @@ fn bad_usage() {
         "info land.ply --threads 0",
         "completions tcsh9",
         "bench models --models nosuch",
+        "bench simplify --models nosuch",
+        "bench simplify land.ply --quality nosuch",
     ] {
         let before = folder.files();
         let ran = folder.run(args);
@@ -111,6 +113,7 @@ fn what_cannot_be_written() {
         "measure land.ply land.ply --samples 10 --map file/map.ply",
         "man -o file/pages",
         "bench models --models . -o file/measured.md",
+        "bench simplify land.ply -o file/measured.md",
     ] {
         let ran = folder.fails(3, args);
         assert!(ran.err.contains("error: cannot write"), "{ran:?}");

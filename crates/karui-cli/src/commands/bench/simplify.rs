@@ -53,7 +53,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "SHARES", default_values_t = [0.5, 0.1, 0.01])]
     targets: Vec<f64>,
     /// Modes of ours to run [default: all]
-    #[arg(long, value_delimiter = ',', value_name = "MODES", value_parser = MODES.map(|m| m.0))]
+    #[arg(long, value_delimiter = ',', value_name = "MODES", value_parser = MODES.map(|m| m.name))]
     quality: Vec<String>,
     /// Numbers of threads to run ours with
     #[arg(long, value_delimiter = ',', value_name = "COUNTS", default_values_t = [1, 2])]
@@ -181,13 +181,14 @@ impl Args {
     /// the others.
     fn contestants(&self, kind: Kind) -> Result<Vec<Contestant>> {
         let mut all = Vec::new();
-        for (name, _) in MODES {
+        for mode in MODES {
             let asked_for = match self.quality.is_empty() {
                 true => !self.no_ours,
-                false => self.quality.iter().any(|q| q == name),
+                false => self.quality.iter().any(|q| q == mode.name),
             };
-            for &threads in self.workers.iter().filter(|_| asked_for) {
-                all.push(Contestant::named(name, threads)?);
+            let takes_part = asked_for && (kind == Kind::Geometry || !mode.loose);
+            for &threads in self.workers.iter().filter(|_| takes_part) {
+                all.push(Contestant::named(mode.name, threads)?);
             }
         }
         for peer in peers::of(kind).iter().filter(|_| self.peers) {

@@ -8,11 +8,42 @@ use karui::TriMesh;
 use karui::simplify::{SimplifyOptions, Stop, simplify};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// A set of our options and its name.
-pub type Mode = (&'static str, fn() -> SimplifyOptions<'static>);
+/// One of our modes.
+pub struct Mode {
+    pub name: &'static str,
+    /// Whether it keeps no topology, and so is put beside those that do not
+    /// either, without attributes.
+    pub loose: bool,
+    /// Simplifies a mesh to at most so many triangles.
+    run: fn(&TriMesh, usize) -> karui::Result<TriMesh>,
+}
 
 /// Our modes: to add one, add a line.
-pub const MODES: [Mode; 1] = [("default", SimplifyOptions::default)];
+pub const MODES: [Mode; 1] = [Mode::collapses("default", |mesh, triangles| {
+    collapsed(mesh, triangles, SimplifyOptions::default())
+})];
+
+impl Mode {
+    const fn collapses(
+        name: &'static str,
+        run: fn(&TriMesh, usize) -> karui::Result<TriMesh>,
+    ) -> Self {
+        Self {
+            name,
+            loose: false,
+            run,
+        }
+    }
+}
+
+fn collapsed(
+    mesh: &TriMesh,
+    triangles: usize,
+    options: SimplifyOptions<'_>,
+) -> karui::Result<TriMesh> {
+    let stop = Stop::triangles(triangles);
+    Ok(simplify(mesh, &SimplifyOptions { stop, ..options })?.mesh)
+}
 
 /// A way to simplify.
 pub struct Contestant {
@@ -23,16 +54,16 @@ pub struct Contestant {
 }
 
 enum Tool {
-    Ours(SimplifyOptions<'static>, ThreadPool),
+    Ours(Mode, ThreadPool),
     Peer(Peer),
 }
 
 impl Contestant {
     /// The mode or peer of this name; `threads` is for ours only.
     pub fn named(name: &str, threads: usize) -> Result<Self> {
-        let tool = if let Some((_, options)) = MODES.iter().find(|m| m.0 == name) {
+        let tool = if let Some(mode) = MODES.into_iter().find(|m| m.name == name) {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
-            Tool::Ours(options(), pool)
+            Tool::Ours(mode, pool)
         } else if let Some(peer) = Peer::named(name) {
             Tool::Peer(peer)
         } else {
@@ -54,13 +85,10 @@ impl Contestant {
     /// call; copies of what a peer overwrites are made before it.
     pub fn run(&self, mesh: &TriMesh, triangles: usize, watch: Watch) -> Result<(TriMesh, Cost)> {
         match &self.tool {
-            Tool::Ours(options, pool) => {
-                let options = SimplifyOptions {
-                    stop: Stop::triangles(triangles),
-                    ..*options
-                };
-                let (done, cost) = watch.call(|| pool.install(|| simplify(mesh, &options)));
-                Ok((done?.mesh, cost))
+            Tool::Ours(mode, pool) => {
+                let call = || pool.install(|| (mode.run)(mesh, triangles));
+                let (done, cost) = watch.call(call);
+                Ok((done?, cost))
             }
             Tool::Peer(peer) => peer.run(mesh, triangles, watch),
         }

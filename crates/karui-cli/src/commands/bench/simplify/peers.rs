@@ -2,6 +2,7 @@
 //! `meshopt`, if built with the feature `peers`.
 
 use super::super::clock::{Cost, Watch};
+use super::contestants::MODES;
 use super::inputs::Kind;
 use crate::failure::Failure;
 use anyhow::Result;
@@ -38,9 +39,12 @@ pub fn of(kind: Kind) -> &'static [Peer] {
     }
 }
 
-/// The peer that ours are put in relation to, the closest of them.
-pub fn reference(kind: Kind) -> Peer {
+/// The peer that ours of this name is put in relation to: the closest of them,
+/// or the one as loose.
+pub fn reference(kind: Kind, name: &str) -> Peer {
+    let is_loose = MODES.iter().any(|m| m.name == name && m.loose);
     match kind {
+        Kind::Geometry if is_loose => Peer::Sloppy,
         Kind::Geometry => Peer::Update,
         Kind::Attributes => Peer::AttributesUpdate,
     }

@@ -64,7 +64,8 @@ which needs a C++ compiler.
 ";
 
 const GEOMETRY: &str = "\
-Vertices at one place joined, no attributes. ÷ is to `simplifyWithUpdate`, the closest of them.
+Vertices at one place joined, no attributes. ÷ is to `simplifyWithUpdate`, the closest of them, for
+clustering to `simplifySloppy`.
 ";
 
 const ATTRIBUTES: &str = "\

@@ -12,12 +12,12 @@ type Line<'a> = Vec<&'a Row>;
 /// The table of all rows.
 pub fn table(kind: Kind, rows: &[Row]) -> Option<String> {
     let threads = thread_counts(rows);
-    let reference = peers::reference(kind).name();
-    let compared = rows.iter().any(|r| r.name == reference);
+    let compared = rows.iter().any(|r| !r.ours);
     let lines = lines(rows);
     let cells: Vec<Vec<String>> = lines
         .iter()
         .map(|line| {
+            let reference = peers::reference(kind, &line[0].name).name();
             let other = lines
                 .iter()
                 .find(|l| l[0].name == reference && same_task(l[0], line[0]));

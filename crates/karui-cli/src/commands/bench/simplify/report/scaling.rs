@@ -34,7 +34,7 @@ fn line(row: &Row, rows: &[Row]) -> Vec<String> {
         .filter(same_tool)
         .min_by_key(|r| r.triangles)
         .unwrap_or(row);
-    let reference = peers::reference(Kind::Geometry).name();
+    let reference = peers::reference(Kind::Geometry, &row.name).name();
     let other = (rows.iter().filter(|_| row.ours))
         .find(|r| r.name == reference && r.triangles == row.triangles);
     let time = other.map(|o| Ratio::of(row.costs.wall.least, o.costs.wall.least));
