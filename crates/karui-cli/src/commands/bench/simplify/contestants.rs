@@ -5,7 +5,7 @@ use super::peers::Peer;
 use crate::failure::Failure;
 use anyhow::Result;
 use karui::TriMesh;
-use karui::simplify::{SimplifyOptions, Stop, simplify};
+use karui::simplify::{ClusterOptions, SimplifyOptions, Stop, cluster, simplify};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// One of our modes.
@@ -19,9 +19,16 @@ pub struct Mode {
 }
 
 /// Our modes: to add one, add a line.
-pub const MODES: [Mode; 1] = [Mode::collapses("default", |mesh, triangles| {
-    collapsed(mesh, triangles, SimplifyOptions::default())
-})];
+pub const MODES: [Mode; 2] = [
+    Mode::collapses("default", |mesh, triangles| {
+        collapsed(mesh, triangles, SimplifyOptions::default())
+    }),
+    Mode {
+        name: "sloppy",
+        loose: true,
+        run: clustered,
+    },
+];
 
 impl Mode {
     const fn collapses(
@@ -43,6 +50,14 @@ fn collapsed(
 ) -> karui::Result<TriMesh> {
     let stop = Stop::triangles(triangles);
     Ok(simplify(mesh, &SimplifyOptions { stop, ..options })?.mesh)
+}
+
+fn clustered(mesh: &TriMesh, triangles: usize) -> karui::Result<TriMesh> {
+    let options = ClusterOptions {
+        stop: Stop::triangles(triangles),
+        ..ClusterOptions::default()
+    };
+    Ok(cluster(mesh, &options)?.mesh)
 }
 
 /// A way to simplify.

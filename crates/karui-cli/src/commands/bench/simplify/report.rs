@@ -58,8 +58,9 @@ which needs a C++ compiler.
 - border: largest distance between the open borders, in 1e-4 of the diagonal.
 - MB: growth of the process at most, in a process of its own.
 - ÷: ours divided by meshoptimizer's. **Bold**: where ours does not win, or leaves what it should
-  not: a ratio above 1 (or more than 1 % more triangles), more than 1 % of triangles too many, a
-  flip, a non-manifold edge, a border that moved farther than the surface.
+  not: a ratio above 1, an error with more triangles than the target and the other have, more than
+  1 % of triangles too many, a flip, a non-manifold edge, a border that moved farther than the
+  surface.
 
 ";
 

@@ -92,8 +92,7 @@ fn own_ratios(kind: Kind) -> &'static [&'static str] {
 fn figures(kind: Kind, line: &Line<'_>, threads: &[usize]) -> Vec<String> {
     let row = line[0];
     let (errors, costs) = (&row.errors, &row.costs);
-    let wanted = row.target * row.triangles as f64;
-    let too_many = row.ours && errors.triangles as f64 > wanted * 1.01 + 1.0;
+    let too_many = row.ours && too_many(row);
     let mut cells = vec![
         format!("`{}`", row.model),
         count(row.triangles),
@@ -131,6 +130,12 @@ fn figures(kind: Kind, line: &Line<'_>, threads: &[usize]) -> Vec<String> {
     cells
 }
 
+/// Whether the target was missed by more than 1 %.
+fn too_many(row: &Row) -> bool {
+    let wanted = row.target * row.triangles as f64;
+    row.errors.triangles as f64 > wanted * 1.01 + 1.0
+}
+
 /// Ours against `other`; empty cells if there is none.
 fn ratios(kind: Kind, line: &Line<'_>, other: Option<&Row>, threads: &[usize]) -> Vec<String> {
     let with = |n: &usize| line.iter().find(|r| r.threads == *n).copied();
@@ -163,9 +168,10 @@ pub fn time_ratio(ours: &Row, other: &Row) -> Ratio {
     Ratio::of(ours.costs.wall.least, other.costs.wall.least)
 }
 
-/// An error, ours by the other's; with more triangles it is not won.
+/// An error, ours by the other's; it is not won with more triangles than both
+/// the other and the target have.
 pub fn error_ratio(ours: &Row, other: &Row, pick: Pick) -> Option<Ratio> {
-    let fair = ours.errors.triangles as f64 <= other.errors.triangles as f64 * 1.01 + 1.0;
+    let fair = !too_many(ours) || ours.errors.triangles <= other.errors.triangles;
     Some(Ratio::of(pick(ours)?, pick(other)?).only_if(fair))
 }
 
