@@ -77,6 +77,7 @@ chart. ÷ is to `simplifyWithUpdate` with attributes.
 ";
 
 const SIZE: &str = "\
-Made-up land, equally rough at every size, to 10 %, each in a process of its own. ÷ smallest: nanoseconds
-a triangle in relation to the smallest; ÷ time, ÷ MB: to `simplifyWithUpdate`.
+Made-up land, equally rough at every size, to 10 %, each in a process of its own; what takes more
+than a minute is not run on more. ÷ smallest: nanoseconds a triangle in relation to the smallest;
+÷ time, ÷ MB: to `simplifyWithUpdate`, for clustering to `simplifySloppy`.
 ";
