@@ -1,6 +1,8 @@
 #![no_main]
 
-use karui::simplify::{ClusterOptions, PruneOptions, cluster, prune, simplify};
+use karui::simplify::{
+    ClusterOptions, FoliageOptions, PruneOptions, cluster, foliage, prune, simplify,
+};
 use karui_fuzz::dirty::Dirty;
 use libfuzzer_sys::fuzz_target;
 
@@ -8,6 +10,7 @@ fuzz_target!(|dirty: Dirty| {
     collapsed(&dirty);
     clustered(&dirty);
     pruned(&dirty);
+    thinned(&dirty);
 });
 
 fn collapsed(dirty: &Dirty) {
@@ -46,4 +49,17 @@ fn pruned(dirty: &Dirty) {
     pruned.mesh.validate().expect("the result is valid");
     let none_left = pruned.mesh.triangles.is_empty();
     assert_eq!(none_left, dirty.mesh.triangles.is_empty());
+}
+
+fn thinned(dirty: &Dirty) {
+    let options = FoliageOptions {
+        simplify: dirty.options(),
+        card: 3,
+        ..FoliageOptions::default()
+    };
+    let Ok(thin) = foliage(&dirty.mesh, &options) else {
+        return;
+    };
+    thin.mesh.validate().expect("the result is valid");
+    assert!(thin.mesh.triangles.len() <= dirty.mesh.triangles.len());
 }

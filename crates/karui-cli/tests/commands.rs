@@ -270,6 +270,36 @@ fn simplify_prunes_small_parts() {
 }
 
 #[test]
+fn simplify_foliage_keeps_its_area() {
+    let folder = Folder::new();
+    let mut tree = karui::Scene::from_mesh(karui::mesh::shapes::tree(3000, 1));
+    tree.materials.resize(2, karui::mesh::Material::default());
+    folder.scene("tree.glb", &tree);
+    let ran = folder.ok("simplify tree.glb -o thin.glb --ratio 0.1 --foliage --json");
+    let report = ran.json();
+    let [before, after] = ["before", "after"].map(|k| number(&report, &format!("/area/{k}")));
+    assert!((after / before - 1.0).abs() < 0.05, "{before} {after}");
+    assert!(number(&report, "/triangles/after") <= 792.0);
+    let thin = karui_io::read(folder.path("thin.glb")).unwrap();
+    assert_eq!(thin.meshes[0].mesh.ranges.len(), 2);
+    let ran = folder.ok("simplify tree.glb -o thin.glb --ratio 0.1 --foliage=1");
+    assert!(
+        ran.out.contains("area "),
+        "no quad is a card of one triangle: {ran:?}"
+    );
+    let ran = folder.fails(2, "simplify tree.glb -o x.glb --error 0.1 --foliage");
+    assert!(ran.err.contains("foliage"), "{ran:?}");
+    folder.fails(
+        2,
+        "simplify tree.glb -o x.glb --ratio 0.1 --foliage --sloppy",
+    );
+
+    folder.ok("lod tree.glb -o lod.glb --ratio 0.3,0.1 --foliage");
+    let report = folder.json("lod.report.json");
+    assert_eq!(report["levels"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
 fn measure_and_its_map() {
     let folder = Folder::new();
     // Two parallel squares at a distance of 0.5 are 0.5 apart everywhere.

@@ -52,6 +52,11 @@ pub struct SimplifyArgs {
     /// Where edge collapse stops before the target, cluster the vertices of what is left
     #[arg(long, conflicts_with = "sloppy")]
     sloppy_fallback: bool,
+    /// Take connected parts of up to N triangles for leaf cards [default: 16]: fewer are left, each
+    /// enlarged, so that the area they cover stays; larger parts are simplified as usual
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "16",
+          require_equals = true, conflicts_with_all = ["sloppy", "sloppy_fallback"])]
+    foliage: Option<usize>,
 }
 
 /// Options that clustering has no use for.
@@ -120,9 +125,10 @@ impl SimplifyArgs {
 
     /// What makes the levels.
     pub fn method(&self) -> Method {
-        match (self.sloppy, self.sloppy_fallback) {
-            (true, _) => Method::Cluster,
-            (_, true) => Method::CollapseElseCluster,
+        match (self.foliage, self.sloppy, self.sloppy_fallback) {
+            (Some(card), ..) => Method::Foliage { card },
+            (_, true, _) => Method::Cluster,
+            (.., true) => Method::CollapseElseCluster,
             _ => Method::Collapse,
         }
     }

@@ -9,6 +9,7 @@ use crate::{explain, output, weights};
 use anyhow::Result;
 use karui::lod::{LevelSummary, Levels, LodChain, LodOptions, SceneChain, chain_scene};
 use karui::simplify::{Stop, Stopped};
+use karui::{Scene, TriMesh, geom};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -88,6 +89,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let written = output::write_one(&args.output, &scene, &args.write.resolve())?;
     let outcome = Outcome {
         summary: chain.summary(&input.scene, 1),
+        area: [area(&input.scene), area(&scene)],
         stopped: tally(&chain, stopped),
         clustered: tally(&chain, |c| c.levels.first()?.fallback),
         bytes: written.bytes,
@@ -116,11 +118,21 @@ fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<Sc
 
 struct Outcome {
     summary: LevelSummary,
+    /// Of all meshes before and after, each counted once.
+    area: [f64; 2],
     /// Reasons why meshes stopped, with the number of meshes, most first.
     stopped: Vec<(Stopped, usize)>,
     /// Why clustering took over, likewise.
     clustered: Vec<(Stopped, usize)>,
     bytes: u64,
+}
+
+fn area(scene: &Scene) -> f64 {
+    let of_mesh = |mesh: &TriMesh| -> f64 {
+        let triangles = 0..mesh.triangles.len();
+        triangles.map(|t| geom::area(mesh.corners(t))).sum()
+    };
+    scene.meshes.iter().map(|m| of_mesh(&m.mesh)).sum()
 }
 
 fn stopped(chain: &LodChain) -> Option<Stopped> {
@@ -187,6 +199,13 @@ impl Outcome {
                 of_diagonal(rms),
             ),
         ];
+        let [area, left] = self.area;
+        lines.push(format!(
+            "area       {} -> {} ({})",
+            number(area),
+            number(left),
+            percent(left / area.max(f64::MIN_POSITIVE))
+        ));
         lines.extend(pruned_line(chain));
         let of = |meshes: usize| match chain.chains.len() {
             0 | 1 => String::new(),
@@ -219,6 +238,7 @@ impl Outcome {
             "input": args.input, "output": args.output, "bytes": self.bytes,
             "triangles": { "before": before.triangles, "after": s.triangles },
             "vertices": { "before": before.vertices, "after": s.vertices },
+            "area": { "before": self.area[0], "after": self.area[1] },
             "diagonal": chain.diagonal,
             "error": { "max": s.max, "mean": s.mean, "rms": s.rms },
             "pruned": { "parts": pruned.components, "triangles": pruned.triangles, "largest": pruned.error },

@@ -1,10 +1,10 @@
 //! Ways to make a level out of a mesh.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::simplify::{
-    Blocked, ClusterOptions, Clustered, Simplified, SimplifyOptions, Stop, Stopped, cluster,
-    simplify, simplify_chain,
+    Blocked, ClusterOptions, Clustered, FoliageOptions, Simplified, SimplifyOptions, Stop, Stopped,
+    cluster, foliage, simplify, simplify_chain,
 };
 
 /// What makes a level out of a mesh.
@@ -18,6 +18,11 @@ pub enum Method {
     CollapseElseCluster,
     /// Vertex clustering ([`cluster`]).
     Cluster,
+    /// Fewer leaf cards, each larger ([`foliage`]); by counts and ratios only.
+    Foliage {
+        /// Triangles up to which a connected part is a leaf card.
+        card: usize,
+    },
 }
 
 /// A level, not measured yet.
@@ -28,12 +33,26 @@ pub(super) struct Made {
 }
 
 impl Method {
+    /// Foliage differs from the original by what its leaves are apart, whatever
+    /// is asked for.
+    pub(super) fn check(self, stops: &[Stop]) -> Result<()> {
+        if matches!(self, Self::Foliage { .. }) && stops.iter().any(Stop::bounds_error) {
+            return Err(Error::BadOption {
+                option: "levels",
+                found: "a bound on the error".into(),
+                expected: "counts or ratios in foliage mode",
+            });
+        }
+        Ok(())
+    }
+
     /// One level, to `options.stop`.
     pub(super) fn make(self, mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<Made> {
         match self {
             Self::Cluster => clustered(mesh, options).map(plain),
             Self::Collapse => simplify(mesh, options).map(plain),
             Self::CollapseElseCluster => fall_back(mesh, options, simplify(mesh, options)?),
+            Self::Foliage { card } => thinned(mesh, options, card).map(plain),
         }
     }
 
@@ -45,7 +64,7 @@ impl Method {
         options: &SimplifyOptions<'_>,
     ) -> Result<Vec<Made>> {
         let at = |&stop: &Stop| SimplifyOptions { stop, ..*options };
-        if self == Self::Cluster {
+        if matches!(self, Self::Cluster | Self::Foliage { .. }) {
             return stops.iter().map(|s| self.make(mesh, &at(s))).collect();
         }
         let chain = stops.iter().zip(simplify_chain(mesh, stops, options)?);
@@ -92,6 +111,22 @@ fn fall_back(mesh: &TriMesh, options: &SimplifyOptions<'_>, collapsed: Simplifie
             ..clustered
         },
         fallback: Some(collapsed.stopped),
+    })
+}
+
+fn thinned(mesh: &TriMesh, options: &SimplifyOptions<'_>, card: usize) -> Result<Simplified> {
+    let options = FoliageOptions {
+        simplify: *options,
+        card,
+        ..FoliageOptions::default()
+    };
+    let thinned = foliage(mesh, &options)?;
+    Ok(Simplified {
+        mesh: thinned.mesh,
+        error: thinned.error,
+        stopped: thinned.stopped,
+        collapses: thinned.collapses,
+        blocked: Blocked::default(),
     })
 }
 

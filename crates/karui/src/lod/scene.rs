@@ -81,6 +81,7 @@ fn jobs<'a>(scene: &'a Scene, options: &LodOptions<'a>) -> Result<Vec<Option<Job
         let stops = options
             .levels
             .stops(mesh.triangles.len(), around, &options.screen);
+        options.method.check(&stops)?;
         let job = Job {
             surface: Surface::new(mesh)?,
             mesh: Cow::Borrowed(mesh),

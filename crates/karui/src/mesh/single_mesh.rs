@@ -1,5 +1,6 @@
 //! A whole scene as one mesh.
 
+use super::attributes::gathered;
 use super::{Attribute, Attributes, MaterialRange, MorphTarget, Scene, SkinWeights, TriMesh};
 use crate::error::{Error, Result};
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
@@ -59,6 +60,32 @@ fn check(what: &'static str, found: usize) -> Result<()> {
 }
 
 impl TriMesh {
+    /// This mesh and another that was part of the same one: with the same kinds
+    /// of attributes and as many ranges, each of which is joined.
+    #[must_use]
+    pub(crate) fn with_ranges_of(mut self, mut part: Self) -> Self {
+        let order = by_range(&self, &part);
+        let [vertices, faces] = [self.positions.len(), self.triangles.len()];
+        let lengths = [vertices, part.positions.len()];
+        append_attributes(&mut self.attributes, part.attributes, lengths);
+        let lengths = [faces, part.triangles.len()];
+        append_named(&mut self.face_attributes, part.face_attributes, lengths);
+        self.positions.append(&mut part.positions);
+        let moved = |t: &[u32; 3]| t.map(|v| v + vertices as u32);
+        self.triangles.extend(part.triangles.iter().map(moved));
+        let mut first = 0;
+        for (range, added) in self.ranges.iter_mut().zip(&part.ranges) {
+            range.count += added.count;
+            range.first = first;
+            first += range.count;
+        }
+        self.triangles = gathered(&self.triangles, &order);
+        for attribute in &mut self.face_attributes {
+            *attribute = attribute.gathered(&order);
+        }
+        self
+    }
+
     /// The mesh in another space: positions, normals, tangents and morph
     /// differences are transformed, and triangles are turned over if the
     /// matrix mirrors, so that they still face outwards. The identity changes
@@ -70,6 +97,24 @@ impl TriMesh {
         }
         self
     }
+}
+
+/// Triangles of both, those of the second numbered after those of the first,
+/// range by range.
+fn by_range(one: &TriMesh, other: &TriMesh) -> Vec<u32> {
+    let behind = one.triangles.len() as u32;
+    if one.ranges.is_empty() {
+        return (0..behind + other.triangles.len() as u32).collect();
+    }
+    let pair = |(a, b): (&MaterialRange, &MaterialRange)| {
+        let first = behind + b.first;
+        (a.first..a.first + a.count).chain(first..first + b.count)
+    };
+    one.ranges
+        .iter()
+        .zip(&other.ranges)
+        .flat_map(pair)
+        .collect()
 }
 
 fn transform(mesh: &mut TriMesh, world_from_mesh: Mat4) {

@@ -14,6 +14,7 @@ mod cluster;
 mod collapse;
 mod exact;
 mod features;
+mod foliage;
 mod guard;
 mod options;
 mod output;
@@ -27,6 +28,7 @@ mod surface;
 mod wedges;
 
 pub use cluster::{ClusterOptions, Clustered, cluster};
+pub use foliage::{Foliage, FoliageOptions, foliage};
 pub use options::{
     AttributeWeights, Blocked, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped,
 };

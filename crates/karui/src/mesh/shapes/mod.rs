@@ -12,6 +12,7 @@ mod one_sided;
 mod sphere;
 mod textured;
 mod torus;
+mod tree;
 
 pub use cube::{closed_cube, cube};
 pub use faulty::{
@@ -24,6 +25,7 @@ pub use one_sided::{klein_bottle, moebius};
 pub use sphere::{icosphere, uv_sphere};
 pub use textured::{loaded_sphere, textured_sphere};
 pub use torus::torus;
+pub use tree::tree;
 
 use super::TriMesh;
 use glam::Vec3;
