@@ -8,7 +8,7 @@ use karui::geom::Aabb;
 use karui::mesh::{Attributes, diagnose, shapes};
 use karui::metrics::{SurfaceDistanceOptions, flipped, surface_distance};
 use karui::simplify::{
-    AttributeWeights, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped,
+    AttributeWeights, Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop, Stopped,
     simplify, simplify_chain,
 };
 use karui::spatial::Bvh;
@@ -64,6 +64,110 @@ fn the_zoo_survives_every_mode() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_zoo_survives_every_quality() {
+    for (name, mut mesh) in shapes::zoo() {
+        mesh.attributes = Attributes::default();
+        for quality in [Quality::Fast, Quality::Balanced, Quality::Exact] {
+            for placement in [Placement::Optimal, Placement::HalfEdge] {
+                for border in [Border::Preserve, Border::Lock, Border::Free] {
+                    let options = SimplifyOptions {
+                        quality,
+                        placement,
+                        border,
+                        stop: Stop::ratio(0.2),
+                        ..SimplifyOptions::default()
+                    };
+                    let coarse = simplify(&mesh, &options).unwrap();
+                    if quality == Quality::Fast {
+                        coarse.mesh.validate().unwrap();
+                    } else {
+                        assert_sound(name, &mesh, &coarse);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rolling hills of some 50,000 triangles: several blocks.
+fn hills() -> TriMesh {
+    shapes::height_grid(160, 160, |x, y| {
+        (9.0 * x).sin() * (7.0 * y).cos() * 0.1 + (31.0 * x * y).sin() * 0.01
+    })
+}
+
+#[test]
+fn rounds_come_as_close_as_one_collapse_at_a_time() {
+    let mesh = hills();
+    let rms = |quality| {
+        let options = SimplifyOptions {
+            quality,
+            stop: Stop::ratio(0.1),
+            ..SimplifyOptions::default()
+        };
+        let coarse = simplify(&mesh, &options).unwrap();
+        assert_eq!(coarse.stopped, Stopped::Target);
+        assert_eq!(coarse.mesh.triangles.len(), mesh.triangles.len() / 10);
+        let options = SurfaceDistanceOptions::default();
+        let distance = surface_distance(&mesh, &coarse.mesh, &options).unwrap();
+        distance.rms()
+    };
+    let exact = rms(Quality::Exact);
+    let (balanced, fast) = (rms(Quality::Balanced), rms(Quality::Fast));
+    assert!(balanced < 1.05 * exact, "{balanced:e} {exact:e}");
+    assert!(fast < 1.1 * exact, "{fast:e} {exact:e}");
+}
+
+#[test]
+fn an_open_border_moves_no_further_than_the_surface() {
+    let mesh = hills();
+    for quality in [Quality::Fast, Quality::Balanced] {
+        let options = SimplifyOptions {
+            quality,
+            stop: Stop::ratio(0.1),
+            ..SimplifyOptions::default()
+        };
+        let coarse = simplify(&mesh, &options).unwrap().mesh;
+        let options = SurfaceDistanceOptions::default();
+        let reached = surface_distance(&mesh, &coarse, &options).unwrap().max();
+        let bounds = [mesh.bounds(), coarse.bounds()];
+        assert!(f64::from((bounds[0].min - bounds[1].min).length()) <= reached);
+        assert!(f64::from((bounds[0].max - bounds[1].max).length()) <= reached);
+        let found = diagnose(&coarse).unwrap();
+        assert!(found.boundary_edges > 3 && found.nonmanifold_edges == 0);
+    }
+}
+
+#[test]
+fn blocks_come_out_the_same_for_any_number_of_threads() {
+    let mesh = hills();
+    let in_pool = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new();
+        let pool = pool.num_threads(threads).build().unwrap();
+        pool.install(|| to(&mesh, Stop::ratio(0.2)).mesh)
+    };
+    let one = in_pool(1);
+    assert!(one == in_pool(2));
+    assert!(one == in_pool(8));
+}
+
+#[test]
+fn where_a_model_lies_and_how_large_it_is_does_not_matter() {
+    let mesh = shapes::torus(1.0, 0.4, 96, 48);
+    let coarse = to(&mesh, Stop::ratio(0.1)).mesh;
+    for scale in [1e-12f32, 1e12] {
+        let mut other = mesh.clone();
+        other.positions.iter_mut().for_each(|p| *p *= scale);
+        let other = to(&other, Stop::ratio(0.1));
+        assert_eq!(other.stopped, Stopped::Target);
+        assert_eq!(other.mesh.triangles.len(), coarse.triangles.len());
+        let size = f64::from(scale);
+        let ratio = other.error / size / to(&mesh, Stop::ratio(0.1)).error;
+        assert!((0.5..2.0).contains(&ratio), "{scale}: {ratio}");
     }
 }
 

@@ -4,12 +4,15 @@ use crate::failure::Failure;
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::lod::Method;
-use karui::simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions};
+use karui::simplify::{AttributeWeights, Border, Cost, Placement, Quality, SimplifyOptions};
 
 /// How triangles are removed.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Simplification")]
 pub struct SimplifyArgs {
+    /// How much time to spend for how small an error
+    #[arg(long, value_enum, default_value_t = QualityArg::Balanced)]
+    quality: QualityArg,
     /// What happens to open borders
     #[arg(long, value_enum, default_value_t = BorderArg::Preserve)]
     border: BorderArg,
@@ -74,6 +77,16 @@ const SHAPING: [&str; 10] = [
 ];
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
+enum QualityArg {
+    /// Fewest rounds, no look back at the input
+    Fast,
+    /// More rounds; triangles that would show their back are repaired
+    Balanced,
+    /// One collapse at a time, each checked against the input; the reference, many times slower
+    Exact,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum BorderArg {
     /// Simplified along themselves, held in place
     Preserve,
@@ -103,6 +116,11 @@ impl SimplifyArgs {
     /// As the library wants it; stop, weights and progress are left open.
     pub fn resolve(&self) -> SimplifyOptions<'static> {
         SimplifyOptions {
+            quality: match self.quality {
+                QualityArg::Fast => Quality::Fast,
+                QualityArg::Balanced => Quality::Balanced,
+                QualityArg::Exact => Quality::Exact,
+            },
             placement: match self.placement {
                 PlacementArg::Optimal => Placement::Optimal,
                 PlacementArg::HalfEdge => Placement::HalfEdge,

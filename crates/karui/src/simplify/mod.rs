@@ -13,14 +13,17 @@ mod check;
 mod cluster;
 mod collapse;
 mod exact;
+mod fast;
 mod features;
 mod foliage;
 mod guard;
 mod options;
 mod output;
 mod pairs;
+mod points;
 mod prune;
 mod quadric;
+pub(crate) mod rounds;
 mod sheets;
 mod signal;
 mod state;
@@ -30,7 +33,8 @@ mod wedges;
 pub use cluster::{ClusterOptions, Clustered, cluster};
 pub use foliage::{Foliage, FoliageOptions, foliage};
 pub use options::{
-    AttributeWeights, Blocked, Border, Cost, Placement, Simplified, SimplifyOptions, Stop, Stopped,
+    AttributeWeights, Blocked, Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop,
+    Stopped,
 };
 pub use prune::{PruneOptions, Pruned, prune};
 pub use quadric::Quadric;
@@ -85,6 +89,9 @@ pub fn simplify_chain(
     mesh.validate()?;
     check(mesh, options)?;
     stops.iter().try_for_each(check_stop)?;
+    if let Some(levels) = fast::simplify_chain(mesh, stops, options)? {
+        return Ok(levels);
+    }
     let prepared = wedges::prepare(mesh);
     let state = state::State::new(mesh, &prepared, options);
     if state.surface.alive == 0 {

@@ -8,6 +8,9 @@ use std::fmt;
 /// model that is to keep its outline.
 #[derive(Clone, Copy)]
 pub struct SimplifyOptions<'a> {
+    /// How much time to spend for how small an error. Default:
+    /// [`Quality::Balanced`].
+    pub quality: Quality,
     /// When to stop. Default: never, that is, at the coarsest mesh the
     /// constraints allow.
     pub stop: Stop,
@@ -37,6 +40,7 @@ pub struct SimplifyOptions<'a> {
 impl Default for SimplifyOptions<'_> {
     fn default() -> Self {
         Self {
+            quality: Quality::Balanced,
             stop: Stop::default(),
             placement: Placement::Optimal,
             cost: Cost::Memoryless,
@@ -54,6 +58,7 @@ impl Default for SimplifyOptions<'_> {
 impl fmt::Debug for SimplifyOptions<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("SimplifyOptions")
+            .field("quality", &self.quality)
             .field("stop", &self.stop)
             .field("placement", &self.placement)
             .field("cost", &self.cost)
@@ -135,6 +140,22 @@ impl Stop {
             ..self
         }
     }
+}
+
+/// How much time to spend for how small an error. Meshes with attributes or
+/// several materials, [`Cost::Accumulated`] and vertex pairs are for now
+/// simplified as by [`Quality::Exact`], whatever is asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// Few rounds of many collapses, no look back at the input: fastest. A few
+    /// triangles in ten thousand may oppose the input's nearest to them.
+    Fast,
+    /// More rounds; triangles that oppose the input are repaired at the end.
+    #[default]
+    Balanced,
+    /// Strictly the cheapest collapse next, every price renewed after each,
+    /// every triangle checked against the input: the reference.
+    Exact,
 }
 
 /// Where the vertex that replaces an edge may lie.

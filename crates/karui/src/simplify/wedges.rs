@@ -173,6 +173,25 @@ fn distinct_triangles(
     kept
 }
 
+/// Those of the triangles `candidates` that lie on no other of them.
+pub(crate) fn distinct_by_position(
+    mesh: &TriMesh,
+    ids: &PositionIds,
+    candidates: &[u32],
+    range_of: &[u32],
+) -> Vec<u32> {
+    let key = |&t: &u32| {
+        let points = mesh.triangles[t as usize].map(|v| ids.of_vertex[v as usize]);
+        (least_first(points), range_of[t as usize], t)
+    };
+    let mut keyed: Vec<([u32; 3], u32, u32)> = candidates.iter().map(key).collect();
+    keyed.sort_unstable();
+    keyed.dedup_by_key(|k| (k.0, k.1));
+    let mut kept: Vec<u32> = keyed.into_iter().map(|k| k.2).collect();
+    kept.sort_unstable();
+    kept
+}
+
 fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]

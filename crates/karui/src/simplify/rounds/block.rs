@@ -1,0 +1,347 @@
+//! A piece of the surface small enough for a core's cache, with everything
+//! that its collapses read and change.
+
+use super::level::Level;
+use super::planes::Planes;
+use super::star::Star;
+use super::sym3::Sym3;
+use glam::{Vec3, Vec4};
+use smallvec::SmallVec;
+
+/// First corner of a triangle that is gone.
+pub(super) const DEAD: u32 = u32::MAX;
+/// Weight of the lines that hold a border in place, relative to the planes.
+const LINE_WEIGHT: f32 = 2.0;
+
+/// How a point may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// Anywhere: it may vanish into any neighbour.
+    Interior,
+    /// Along the border, or along edges of more than two triangles.
+    Line,
+    /// Nowhere, though neighbours may vanish into it: lines end or cross here.
+    Fixed,
+    /// Nowhere, by the caller's wish.
+    Locked,
+    /// Nowhere, for another block has triangles there.
+    Shared,
+    /// It has vanished.
+    Gone,
+}
+
+/// Where a point's triangles are in the list.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Span {
+    pub start: u32,
+    pub len: u32,
+}
+
+/// A triangle as seen from one of its points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub t: u32,
+    /// The point after.
+    pub q: u32,
+    /// The point before.
+    pub r: u32,
+    /// Whether the edge that collapses is one of its sides.
+    pub edge: bool,
+}
+
+/// What the blocks of one simplification have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rules {
+    /// Least cosine between a triangle's normals before and after a collapse.
+    pub least_turn: f32,
+    /// Whether open borders hold their place.
+    pub hold_borders: bool,
+    /// Whether open borders may not be touched.
+    pub lock_borders: bool,
+    /// Whether new vertices lie on old ones.
+    pub subset: bool,
+    /// Largest error, scaled units.
+    pub max_error: f32,
+}
+
+/// A block. Points and triangles are numbered from 0 within it.
+#[derive(Debug)]
+pub(super) struct Block {
+    pub rules: Rules,
+    pub position: Vec<Vec3>,
+    pub triangle: Vec<[u32; 3]>,
+    /// Unit normal times the root of the area, and that root, of every triangle.
+    pub root: Vec<Vec4>,
+    pub star: Vec<Star>,
+    pub span: Vec<Span>,
+    pub list: Vec<u32>,
+    pub kind: Vec<Kind>,
+    /// Sum of the input's area normals that the point stands for.
+    pub facing: Vec<Vec3>,
+    /// The input's planes that the point stands for.
+    pub memory: Vec<Planes>,
+    /// Empty if all are 1.
+    pub weight: Vec<f32>,
+    /// Scratch set of points, by stamp.
+    pub mark: Vec<u32>,
+    pub stamp: u32,
+    /// The round in which the point's star changed last.
+    pub changed: Vec<u32>,
+    /// The round in which the point took part in a collapse last.
+    pub touched: Vec<u32>,
+    pub round: u32,
+    /// Price of every half-edge as of its last look.
+    pub price: Vec<f32>,
+    /// Scratch of one collapse: the triangles at its ends, each once.
+    pub fan: Vec<Side>,
+    /// How many of them are at the point that stays.
+    pub first: usize,
+    /// Those that stay, by their place in the fan, and their new roots.
+    pub turned: Vec<(u32, Vec4)>,
+    pub alive: usize,
+    pub collapses: usize,
+    pub error: f32,
+    pub refused: super::round::Refused,
+    /// Ids of the points in the level.
+    pub global: Vec<u32>,
+    /// Ids of the triangles in the level.
+    pub origin: Vec<u32>,
+}
+
+/// Unit normal times the root of the area, and that root, of a triangle whose
+/// doubled area normal is `cross`, of length `length`; zero if it has none.
+#[inline(always)]
+pub(super) fn root_of(cross: Vec3, length: f32) -> Vec4 {
+    if length > 0.0 {
+        cross.extend(length) * (0.5 / length).sqrt()
+    } else {
+        Vec4::ZERO
+    }
+}
+
+/// The triangle turned so that `p`, one of its points, comes first.
+#[inline(always)]
+pub(super) fn turned([a, b, c]: [u32; 3], p: u32) -> [u32; 3] {
+    if a == p {
+        [a, b, c]
+    } else if b == p {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+impl Block {
+    /// Cuts the triangles `origin` out of the level. `local` has one entry a
+    /// point of the level, all [`DEAD`] before and after; points that
+    /// `is_shared` names belong to several blocks.
+    pub fn new(
+        level: &Level,
+        origin: Vec<u32>,
+        rules: Rules,
+        local: &mut [u32],
+        is_shared: impl Fn(u32) -> bool,
+    ) -> Self {
+        let mut global = Vec::with_capacity(origin.len() * 5 / 8);
+        let mut number = |p: u32| {
+            let known = &mut local[p as usize];
+            if *known == DEAD {
+                *known = global.len() as u32;
+                global.push(p);
+            }
+            *known
+        };
+        let triangle: Vec<[u32; 3]> = origin
+            .iter()
+            .map(|&t| level.triangle[t as usize].map(&mut number))
+            .collect();
+        global.iter().for_each(|&p| local[p as usize] = DEAD);
+        let points = global.len();
+        let of = |p: &u32| *p as usize;
+        let kind = |p: &u32| match (is_shared(*p), level.is_locked(*p)) {
+            (true, _) => Kind::Shared,
+            (_, true) => Kind::Locked,
+            _ => Kind::Interior,
+        };
+        let mut block = Self {
+            position: global.iter().map(|p| level.position[of(p)]).collect(),
+            kind: global.iter().map(kind).collect(),
+            weight: level.weights_of(&global),
+            root: Vec::with_capacity(triangle.len()),
+            star: vec![Star::default(); points],
+            span: vec![Span::default(); points],
+            list: Vec::new(),
+            facing: vec![Vec3::ZERO; points],
+            memory: vec![Planes::default(); points],
+            mark: vec![0; points],
+            stamp: 0,
+            changed: vec![0; points],
+            touched: vec![0; points],
+            round: 0,
+            price: vec![f32::INFINITY; triangle.len() * 3],
+            fan: Vec::new(),
+            first: 0,
+            turned: Vec::new(),
+            alive: triangle.len(),
+            collapses: 0,
+            error: 0.0,
+            refused: Default::default(),
+            rules,
+            triangle,
+            global,
+            origin,
+        };
+        block.link();
+        block.sum_stars();
+        for (star, &place) in block.star.iter_mut().zip(&block.position) {
+            star.set_place(place);
+        }
+        block.remember(level);
+        block.classify();
+        block
+    }
+
+    fn link(&mut self) {
+        for &p in self.triangle.iter().flatten() {
+            self.span[p as usize].len += 1;
+        }
+        let mut at = 0;
+        for span in &mut self.span {
+            span.start = at;
+            at += std::mem::take(&mut span.len);
+        }
+        self.list = vec![0; at as usize];
+        for (t, points) in self.triangle.iter().enumerate() {
+            for &p in points {
+                let span = &mut self.span[p as usize];
+                self.list[(span.start + span.len) as usize] = t as u32;
+                span.len += 1;
+            }
+        }
+    }
+
+    fn sum_stars(&mut self) {
+        for points in &self.triangle {
+            let [a, b, c] = points.map(|p| self.position[p as usize]);
+            let cross = (b - a).cross(c - a);
+            let root = root_of(cross, cross.length());
+            self.root.push(root);
+            let part = Star::of(root);
+            for &p in points {
+                self.star[p as usize] += part;
+            }
+        }
+    }
+
+    /// What the points stand for: of a level that has simplified already, its
+    /// own points bring it along; those shared leave it with the level.
+    fn remember(&mut self, level: &Level) {
+        for p in 0..self.global.len() {
+            if level.is_input() {
+                self.facing[p] = self.star[p].normal();
+                self.memory[p] = Planes::through(self.star[p].planes(), 1.0 / 3.0);
+            } else if self.kind[p] != Kind::Shared {
+                let from = self.global[p] as usize;
+                self.facing[p] = level.facing[from];
+                self.memory[p] = level.memory[from];
+            }
+        }
+    }
+
+    /// Finds borders and edges of more than two triangles, along which the
+    /// surface may be simplified but not across.
+    fn classify(&mut self) {
+        let mut lines = Vec::new();
+        for p in 0..self.global.len() as u32 {
+            if self.kind[p as usize] == Kind::Shared || self.is_surrounded(p) {
+                continue;
+            }
+            let ring = self.ring(p);
+            let features: SmallVec<[&Neighbour; 4]> =
+                ring.iter().filter(|n| n.triangles != 2).collect();
+            let is_border = |n: &&Neighbour| n.triangles == 1;
+            let locked = self.rules.lock_borders && features.iter().any(is_border);
+            let kind = match features[..] {
+                _ if locked => Kind::Locked,
+                [] => Kind::Interior,
+                [a, b] if a.triangles == b.triangles => Kind::Line,
+                _ => Kind::Fixed,
+            };
+            self.kind[p as usize] = kind.max(self.kind[p as usize]);
+            let held = features.iter().filter(|n| self.holds(n.triangles));
+            lines.extend(held.map(|n| (p, n.point)));
+        }
+        for (p, n) in lines {
+            let line = self.line(p, n);
+            self.star[p as usize] += Star::of_line(line);
+        }
+    }
+
+    /// Whether an edge of so many triangles is held in place by its line.
+    pub fn holds(&self, triangles: u32) -> bool {
+        triangles > 2 || (triangles == 1 && self.rules.hold_borders)
+    }
+
+    /// Whether every edge at `p` has one triangle on either side, which is so
+    /// nearly everywhere and quickly seen.
+    fn is_surrounded(&mut self, p: u32) -> bool {
+        self.stamp += 1;
+        let Span { start, len } = self.span[p as usize];
+        let triangles = &self.list[start as usize..(start + len) as usize];
+        let sides = |t: &u32| turned(self.triangle[*t as usize], p);
+        let mut once = true;
+        for [_, next, _] in triangles.iter().map(sides) {
+            once &= self.mark[next as usize] != self.stamp;
+            self.mark[next as usize] = self.stamp;
+        }
+        once && triangles
+            .iter()
+            .map(sides)
+            .all(|[_, _, last]| self.mark[last as usize] == self.stamp)
+    }
+
+    /// The line of the border from `p` to `n`.
+    pub fn line(&self, p: u32, n: u32) -> Sym3 {
+        let edge = self.position[n as usize] - self.position[p as usize];
+        Sym3::across(edge, LINE_WEIGHT)
+    }
+
+    /// Triangles at `p`.
+    #[inline(always)]
+    pub fn triangles_at(&self, p: u32) -> &[u32] {
+        let Span { start, len } = self.span[p as usize];
+        &self.list[start as usize..(start + len) as usize]
+    }
+
+    /// Number of triangles with both points.
+    pub fn shared_triangles(&self, a: u32, b: u32) -> usize {
+        let has_b = |&&t: &&u32| self.triangle[t as usize].contains(&b);
+        self.triangles_at(a).iter().filter(has_b).count()
+    }
+
+    /// Neighbours of `p`.
+    pub fn ring(&self, p: u32) -> SmallVec<[Neighbour; 12]> {
+        let mut ring = SmallVec::<[Neighbour; 12]>::new();
+        let mut count = |point| match ring.iter_mut().find(|n| n.point == point) {
+            Some(known) => known.triangles += 1,
+            None => ring.push(Neighbour {
+                point,
+                triangles: 1,
+            }),
+        };
+        for &t in self.triangles_at(p) {
+            let [_, q, r] = turned(self.triangle[t as usize], p);
+            count(q);
+            count(r);
+        }
+        ring
+    }
+}
+
+/// A neighbour of a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Neighbour {
+    pub point: u32,
+    /// Triangles of the edge.
+    pub triangles: u32,
+}

@@ -1,0 +1,136 @@
+//! Prices of four edges at once.
+
+use super::price::{OFF_SURFACE, PULL, SHORT};
+use super::star::Star;
+use glam::Vec4;
+use std::ops::{Add, Mul, Sub};
+
+/// Vectors of four edges.
+#[derive(Clone, Copy)]
+struct V(Vec4, Vec4, Vec4);
+
+impl V {
+    #[inline(always)]
+    fn dot(self, o: Self) -> Vec4 {
+        self.0 * o.0 + self.1 * o.1 + self.2 * o.2
+    }
+}
+
+impl Add for V {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self(self.0 + o.0, self.1 + o.1, self.2 + o.2)
+    }
+}
+
+impl Sub for V {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self(self.0 - o.0, self.1 - o.1, self.2 - o.2)
+    }
+}
+
+impl Mul<Vec4> for V {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: Vec4) -> Self {
+        Self(self.0 * s, self.1 * s, self.2 * s)
+    }
+}
+
+/// Symmetric matrices of four edges: xx xy xz yy yz zz.
+#[derive(Clone, Copy)]
+struct M([Vec4; 6]);
+
+impl M {
+    #[inline(always)]
+    fn mul(&self, v: V) -> V {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        V(
+            xx * v.0 + xy * v.1 + xz * v.2,
+            xy * v.0 + yy * v.1 + yz * v.2,
+            xz * v.0 + yz * v.1 + zz * v.2,
+        )
+    }
+
+    /// As [`Sym3::solve`](super::sym3::Sym3::solve).
+    #[inline(always)]
+    fn solve(&self, ridge: Vec4, r: V) -> V {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        let i0 = Vec4::ONE / (xx + ridge);
+        let (l10, l20) = (xy * i0, xz * i0);
+        let i1 = Vec4::ONE / (yy + ridge - l10 * xy);
+        let e = yz - l20 * xy;
+        let l21 = e * i1;
+        let i2 = Vec4::ONE / (zz + ridge - l20 * xz - l21 * e);
+        let y1 = r.1 - l10 * r.0;
+        let z = (r.2 - l20 * r.0 - l21 * y1) * i2;
+        let y = y1 * i1 - l21 * z;
+        V(r.0 * i0 - l10 * y - l20 * z, y, z)
+    }
+}
+
+/// Planes, normals and places of four stars.
+#[inline(always)]
+fn unpack(stars: [&Star; 4]) -> (M, V, V) {
+    let [xx, xy, xz, nx] = Star::lanes(stars, 0);
+    let [yy, yz, zz, ny] = Star::lanes(stars, 1);
+    let [nz, x, y, z] = Star::lanes(stars, 2);
+    (M([xx, xy, xz, yy, yz, zz]), V(nx, ny, nz), V(x, y, z))
+}
+
+/// What [`Block::offer`](super::block::Block) asks for edges whose ends are
+/// both free, from `a` to `b`, but for its comparison with the ends, which
+/// matters to the place more than to the price. Not a number where there is no
+/// area.
+#[inline(always)]
+pub(super) fn prices(a: [&Star; 4], b: [&Star; 4]) -> Vec4 {
+    let (qa, na, pa) = unpack(a);
+    let (qb, nb, pb) = unpack(b);
+    let half = (pb - pa) * Vec4::splat(0.5);
+    let sum = M(std::array::from_fn(|i| qa.0[i] + qb.0[i]));
+    let area = sum.0[0] + sum.0[3] + sum.0[5];
+    let (ha, hb) = (qa.mul(half), qb.mul(half));
+    let linear = hb - ha;
+    let y = sum.solve(Vec4::splat(PULL) * area, linear);
+    let length_squared = half.dot(half);
+    // Of a place too far away the middle takes its place.
+    let near = y.dot(y).cmple(length_squared * 16.0);
+    let y = V(
+        Vec4::select(near, y.0, Vec4::ZERO),
+        Vec4::select(near, y.1, Vec4::ZERO),
+        Vec4::select(near, y.2, Vec4::ZERO),
+    );
+    let (u, v) = (y + half, y - half);
+    let least = qa.mul(u).dot(u) + qb.mul(v).dot(v);
+    let normal = na + nb;
+    let tiny = Vec4::splat(f32::MIN_POSITIVE);
+    let share = (y.dot(half) / length_squared.max(tiny)).clamp(Vec4::NEG_ONE, Vec4::ONE);
+    let height = (y - half * share).dot(normal);
+    let height = height * height / normal.dot(normal).max(tiny);
+    least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + length_squared * (4.0 * SHORT))
+}
+
+/// Half-edges whose prices are asked for, four at a time.
+#[derive(Debug, Default)]
+pub(super) struct Four {
+    /// Points of every edge.
+    pub ends: [(u32, u32); 4],
+    /// Where the prices go.
+    pub slots: [u32; 4],
+    /// How many there are.
+    pub len: usize,
+}
+
+impl Four {
+    /// Adds an edge; whether it was the fourth.
+    #[inline(always)]
+    pub fn push(&mut self, ends: (u32, u32), slot: u32) -> bool {
+        self.ends[self.len & 3] = ends;
+        self.slots[self.len & 3] = slot;
+        self.len += 1;
+        self.len == 4
+    }
+}

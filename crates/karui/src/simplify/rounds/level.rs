@@ -1,0 +1,110 @@
+//! The whole surface between two cuts into blocks.
+
+use super::block::{Block, DEAD, Kind};
+use super::planes::Planes;
+use glam::Vec3;
+
+/// Points and triangles, and what the points stand for.
+#[derive(Debug, Default)]
+pub(crate) struct Level {
+    pub position: Vec<Vec3>,
+    pub triangle: Vec<[u32; 3]>,
+    /// Triangle of the input that every triangle has come from.
+    pub source: Vec<u32>,
+    /// Point of the input that every point has come from; empty at the input.
+    pub origin: Vec<u32>,
+    /// Sum of the input's area normals, of every point; empty at the input.
+    pub facing: Vec<Vec3>,
+    /// The input's planes, of every point; empty at the input.
+    pub memory: Vec<Planes>,
+    /// Empty if all are 1.
+    pub weight: Vec<f32>,
+    /// Empty if none is.
+    pub locked: Vec<bool>,
+}
+
+impl Level {
+    /// Whether nothing has been simplified yet.
+    pub fn is_input(&self) -> bool {
+        self.origin.is_empty()
+    }
+
+    /// Whether the point must stay.
+    pub fn is_locked(&self, p: u32) -> bool {
+        self.locked.get(p as usize).copied().unwrap_or(false)
+    }
+
+    /// Weights of these points; empty if all are 1.
+    pub fn weights_of(&self, points: &[u32]) -> Vec<f32> {
+        if self.weight.is_empty() {
+            return Vec::new();
+        }
+        points.iter().map(|&p| self.weight[p as usize]).collect()
+    }
+
+    /// Puts the blocks back together: their points and triangles, in order.
+    pub(super) fn join(&self, blocks: &[Block]) -> Self {
+        let mut next = Self::default();
+        let mut shared = vec![DEAD; self.position.len()];
+        for block in blocks {
+            let local = next.take_points(self, block, &mut shared);
+            for (t, points) in block.triangle.iter().enumerate() {
+                if points[0] != DEAD {
+                    next.triangle.push(points.map(|p| local[p as usize]));
+                    next.source.push(self.source[block.origin[t] as usize]);
+                }
+            }
+        }
+        next
+    }
+
+    /// Adds the block's points and returns their new ids.
+    fn take_points(&mut self, from: &Self, block: &Block, shared: &mut [u32]) -> Vec<u32> {
+        let mut local = vec![DEAD; block.global.len()];
+        for (p, &global) in block.global.iter().enumerate() {
+            if block.kind[p] == Kind::Gone || block.span[p].len == 0 {
+                continue;
+            }
+            let is_shared = block.kind[p] == Kind::Shared;
+            let known = shared[global as usize];
+            if is_shared && known != DEAD {
+                local[p] = known;
+                self.facing[known as usize] += block.facing[p];
+                let memory = &mut self.memory[known as usize];
+                *memory = memory.plus(&block.memory[p]);
+                continue;
+            }
+            local[p] = self.position.len() as u32;
+            self.take_point(from, block, p);
+            if is_shared {
+                shared[global as usize] = local[p];
+                self.recall(from, global);
+            }
+        }
+        local
+    }
+
+    fn take_point(&mut self, from: &Self, block: &Block, p: usize) {
+        let global = block.global[p];
+        self.position.push(block.position[p]);
+        self.facing.push(block.facing[p]);
+        self.memory.push(block.memory[p]);
+        self.weight.extend(block.weight.get(p));
+        if !from.locked.is_empty() {
+            self.locked.push(from.is_locked(global));
+        }
+        let origin = from.origin.get(global as usize);
+        self.origin.push(origin.copied().unwrap_or(global));
+    }
+
+    /// Adds to the last point what it stood for before it was shared out.
+    fn recall(&mut self, from: &Self, global: u32) {
+        if from.is_input() {
+            return;
+        }
+        if let (Some(facing), Some(memory)) = (self.facing.last_mut(), self.memory.last_mut()) {
+            *facing += from.facing[global as usize];
+            *memory = memory.plus(&from.memory[global as usize]);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The round-based driver: the surface is cut into blocks that fit a core's
+//! cache; every block prices all its edges, a threshold is taken from the
+//! prices of all blocks together, and what is under it collapses, block by
+//! block, in parallel. Points on the cuts stay until the next cut, which runs
+//! elsewhere.
+//!
+//! What is chosen depends on the mesh and the options alone, so the result is
+//! the same for any number of threads.
+
+mod block;
+mod collapse;
+mod lanes;
+mod level;
+mod partition;
+mod planes;
+mod price;
+mod repair;
+mod round;
+mod star;
+mod sym3;
+
+pub(crate) use block::Rules;
+pub(crate) use level::Level;
+pub(crate) use repair::{Guard, repair};
+
+use super::exact::Target;
+use super::options::{Blocked, Stopped};
+use crate::error::Result;
+use crate::progress::{Progress, step};
+use block::{Block, DEAD};
+use rayon::prelude::*;
+use round::{BINS, Refused, upper_end};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Share of the edges looked at that may collapse in one round.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pace {
+    /// Largest share of the edges in one round.
+    pub share: f64,
+}
+
+/// A phase ends when this share of its triangles is left: blocks have become
+/// small then and what lies between them counts.
+const PHASE: f64 = 0.4;
+/// Triangles to go under which blocks take turns, so as to end on the count.
+const LAST: usize = 512;
+
+/// Triangles left under which every collapse is checked against the input:
+/// what is so coarse reaches over folds, and the work is bounded.
+const GUARDED: usize = 4096;
+
+/// How far a run came.
+pub(crate) struct Ran {
+    pub level: Level,
+    pub error: f32,
+    pub collapses: usize,
+    pub stopped: Stopped,
+    pub blocked: Blocked,
+}
+
+struct Run<'a> {
+    target: Target,
+    pace: Pace,
+    rules: Rules,
+    guard: Option<Guard<'a>>,
+    progress: &'a dyn Progress,
+    start: usize,
+    error: f32,
+    collapses: usize,
+    refused: Refused,
+}
+
+/// Simplifies `level` to `target`.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub(crate) fn run(
+    mut level: Level,
+    target: Target,
+    pace: Pace,
+    rules: Rules,
+    guard: Option<Guard<'_>>,
+    progress: &dyn Progress,
+) -> Result<Ran> {
+    let mut run = Run {
+        target,
+        pace,
+        rules,
+        guard,
+        progress,
+        start: level.triangle.len(),
+        error: 0.0,
+        collapses: 0,
+        refused: Refused::default(),
+    };
+    let mut idle = 0;
+    for phase in 0.. {
+        if level.triangle.len() <= target.triangles || idle == 2 {
+            break;
+        }
+        let before = run.collapses;
+        let mut blocks = run.cut(&level, phase);
+        run.phase(&mut blocks)?;
+        level = level.join(&blocks);
+        // Of two cuts one has every point inside a block.
+        idle = if run.collapses > before { 0 } else { idle + 1 };
+    }
+    if let Some(guard) = guard {
+        level = repair(level, rules, guard);
+    }
+    Ok(Ran {
+        error: run.error,
+        collapses: run.collapses,
+        stopped: run.reason(level.triangle.len()),
+        blocked: run.refused.blocked,
+        level,
+    })
+}
+
+impl Run<'_> {
+    fn cut(&self, level: &Level, phase: usize) -> Vec<Block> {
+        const FREE: u32 = u32::MAX;
+        const SHARED: u32 = u32::MAX - 1;
+        let cut = partition::blocks(level, phase);
+        let owner: Vec<AtomicU32> = level
+            .position
+            .iter()
+            .map(|_| AtomicU32::new(FREE))
+            .collect();
+        cut.par_iter().enumerate().for_each(|(i, triangles)| {
+            let i = i as u32;
+            for &p in triangles.iter().flat_map(|&t| &level.triangle[t as usize]) {
+                let owner = &owner[p as usize];
+                let known = owner.load(Ordering::Relaxed);
+                if known == i || known == SHARED {
+                    continue;
+                }
+                let claim = owner.compare_exchange(FREE, i, Ordering::Relaxed, Ordering::Relaxed);
+                if claim.is_err() {
+                    owner.store(SHARED, Ordering::Relaxed);
+                }
+            }
+        });
+        let is_shared = |p: u32| owner[p as usize].load(Ordering::Relaxed) == SHARED;
+        let scratch = || vec![DEAD; level.position.len()];
+        cut.into_par_iter()
+            .map_init(scratch, |local, triangles| {
+                Block::new(level, triangles, self.rules, local, is_shared)
+            })
+            .collect()
+    }
+
+    /// Rounds over these blocks until the target is met, the phase's share is
+    /// done or nothing happens any more.
+    fn phase(&mut self, blocks: &mut [Block]) -> Result<()> {
+        let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
+        let start = all(blocks) as f64;
+        // Never the last of two cuts: what lies on it would stay dense.
+        let halfway = (start * self.target.triangles as f64).sqrt();
+        let enough = halfway.max(start * PHASE) as usize;
+        let collapsed = self.collapses;
+        loop {
+            let alive = all(blocks);
+            if alive <= self.target.triangles
+                || (alive <= enough
+                    && blocks.len() > 1
+                    && enough > self.target.triangles + start as usize / 10)
+            {
+                break;
+            }
+            let done = self.start - alive;
+            let span = (self.start - self.target.triangles.min(self.start)).max(1);
+            step(self.progress, "collapse", done as f32 / span as f32)?;
+            let idle = !self.round(blocks, alive);
+            self.collapses = collapsed + blocks.iter().map(|b| b.collapses).sum::<usize>();
+            if idle {
+                break;
+            }
+        }
+        self.error = blocks.iter().fold(self.error, |e, b| e.max(b.error));
+        self.refused = Refused::default();
+        blocks.iter().for_each(|b| self.refused.add(&b.refused));
+        Ok(())
+    }
+
+    /// One round; whether anything collapsed.
+    fn round(&self, blocks: &mut [Block], alive: usize) -> bool {
+        let bins: Vec<Vec<u32>> = blocks
+            .par_iter_mut()
+            .map(|block| {
+                let mut bins = vec![0; BINS];
+                block.look(&mut bins);
+                bins
+            })
+            .collect();
+        let count = |bin: usize| bins.iter().map(|b| b[bin] as usize).sum::<usize>();
+        let counts: Vec<usize> = (0..BINS).map(count).collect();
+        let edges: usize = counts.iter().sum();
+        let collapses = |blocks: &[Block]| blocks.iter().map(|b| b.collapses).sum::<usize>();
+        let before = collapses(blocks);
+        let excess = alive - self.target.triangles;
+        let last = excess <= LAST.max(alive / 32);
+        let wanted = (self.pace.share * edges as f64) as usize;
+        let guard = self.guard.filter(|_| alive <= GUARDED);
+        // A round that moves nothing is tried again with dearer edges.
+        let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
+        while wish < 4 * edges.max(1) {
+            let Some(bin) = quantile(&counts, wish) else {
+                break;
+            };
+            let threshold = upper_end(bin);
+            if last {
+                self.take_turns(blocks, threshold, alive, guard);
+            } else {
+                let under = |counts: &[usize]| counts[..=bin].iter().sum::<usize>();
+                let most = wish.min(excess / 2).max(1);
+                let share = (most as f64 / under(&counts).max(1) as f64).min(1.0);
+                blocks.par_iter_mut().zip(&bins).for_each(|(block, bins)| {
+                    let own: u32 = bins[..=bin].iter().sum();
+                    let most = (f64::from(own) * share).ceil() as usize;
+                    block.collapse_under(threshold, most, guard);
+                });
+            }
+            if collapses(blocks) > before {
+                return true;
+            }
+            wish *= 4;
+        }
+        false
+    }
+
+    /// Collapses the cheapest edges of all blocks one after another, to end on
+    /// the count asked for.
+    fn take_turns(
+        &self,
+        blocks: &mut [Block],
+        threshold: f32,
+        mut alive: usize,
+        guard: Option<Guard<'_>>,
+    ) {
+        let mut all: Vec<(u32, u32, u32)> = Vec::new();
+        for (i, block) in blocks.iter().enumerate() {
+            let under = block.under(threshold).into_iter();
+            all.extend(under.map(|(price, half_edge)| (price, i as u32, half_edge)));
+        }
+        all.sort_unstable();
+        for (_, i, half_edge) in all {
+            if alive <= self.target.triangles {
+                break;
+            }
+            let block = &mut blocks[i as usize];
+            alive -= block.alive;
+            block.attempt(half_edge, threshold, guard);
+            alive += block.alive;
+        }
+    }
+
+    fn reason(&self, triangles: usize) -> Stopped {
+        let b = self.refused.blocked;
+        if triangles <= self.target.triangles {
+            Stopped::Target
+        } else if self.refused.by_error >= b.flips.max(b.locked).max(b.topology).max(1) {
+            Stopped::ErrorBound
+        } else {
+            b.reason()
+        }
+    }
+}
+
+/// The bin up to which about `wish` edges lie; none if there is no edge.
+fn quantile(counts: &[usize], wish: usize) -> Option<usize> {
+    let mut sum = 0;
+    let mut last = None;
+    for (bin, &count) in counts.iter().enumerate().filter(|c| *c.1 > 0) {
+        if last.is_some() && sum + count > wish {
+            break;
+        }
+        sum += count;
+        last = Some(bin);
+    }
+    last
+}

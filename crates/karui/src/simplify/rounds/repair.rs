@@ -1,0 +1,129 @@
+//! Turns back what shows its back: triangles that oppose the input's triangle
+//! nearest to them. They are few, and appear where the surface is thin or
+//! folded more finely than the simplified one can follow.
+
+use super::block::{Block, DEAD, Rules};
+use super::level::Level;
+use super::price::Offer;
+use crate::geom::normal_times_two_areas;
+use crate::spatial::Bvh;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The input, to look back at.
+#[derive(Clone, Copy)]
+pub(crate) struct Guard<'a> {
+    /// Index over the input.
+    pub index: &'a Bvh,
+    /// Scaled units in a model unit.
+    pub scale: f32,
+}
+
+impl Guard<'_> {
+    /// Whether a triangle, in scaled units, faces the other way than the
+    /// input's triangle nearest to its centre.
+    pub fn opposes(&self, corners: [Vec3; 3]) -> bool {
+        let [a, b, c] = corners.map(|p| (p / self.scale).as_dvec3());
+        let hit = self.index.closest((a + b + c) / 3.0);
+        let theirs = normal_times_two_areas(self.index.corners(hit.slot));
+        normal_times_two_areas([a, b, c]).dot(theirs) < 0.0
+    }
+}
+
+/// Passes over what is left to be repaired.
+const PASSES: usize = 4;
+
+/// Collapses an edge of every triangle that opposes the input, if that leaves
+/// fewer of them.
+pub(crate) fn repair(level: Level, rules: Rules, guard: Guard<'_>) -> Level {
+    let bad: Vec<u32> = (0..level.triangle.len() as u32)
+        .into_par_iter()
+        .filter(|&t| guard.opposes(level.triangle[t as usize].map(|p| level.position[p as usize])))
+        .collect();
+    if bad.is_empty() {
+        return level;
+    }
+    let all = (0..level.triangle.len() as u32).collect();
+    let mut local = vec![DEAD; level.position.len()];
+    let mut block = Block::new(&level, all, rules, &mut local, |_| false);
+    for _ in 0..PASSES {
+        let mut left = false;
+        for &t in &bad {
+            left |= !block.turn_back(t, guard);
+        }
+        if !left {
+            break;
+        }
+    }
+    level.join(&[block])
+}
+
+impl Block {
+    pub(super) fn corners(&self, t: u32) -> [Vec3; 3] {
+        self.triangle[t as usize].map(|p| self.position[p as usize])
+    }
+
+    /// Whether triangle `t` no longer opposes the input, be it because it is
+    /// gone.
+    fn turn_back(&mut self, t: u32, guard: Guard<'_>) -> bool {
+        let points = self.triangle[t as usize];
+        if points[0] == DEAD || !guard.opposes(self.corners(t)) {
+            return true;
+        }
+        for k in 0..3 {
+            let (p, q) = (points[k], points[(k + 1) % 3]);
+            for offer in self.choices(p, q) {
+                if self.improves(&offer, guard) && self.accept(&offer, None).is_ok() {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Ways to join two points: where it costs least, and at either end.
+    fn choices(&self, p: u32, q: u32) -> Vec<Offer> {
+        let Some(offer) = self.offer(p.min(q), p.max(q)) else {
+            return Vec::new();
+        };
+        let end = |kept: u32, removed: u32| Offer {
+            kept,
+            removed,
+            place: self.position[kept as usize],
+            ..offer
+        };
+        let mut choices = vec![offer, end(offer.kept, offer.removed)];
+        // The other way round only if either end might have vanished.
+        if offer.place != self.position[offer.kept as usize] {
+            choices.push(end(offer.removed, offer.kept));
+        }
+        choices
+    }
+
+    /// Whether fewer triangles oppose the input after the collapse.
+    fn improves(&self, offer: &Offer, guard: Guard<'_>) -> bool {
+        let (mut before, mut after) = (0, 0);
+        for (p, other) in [(offer.kept, offer.removed), (offer.removed, offer.kept)] {
+            for &t in self.triangles_at(p) {
+                let points = self.triangle[t as usize];
+                let both = points.contains(&other);
+                if both && p == offer.removed {
+                    continue;
+                }
+                let corners = self.corners(t);
+                before += usize::from(guard.opposes(corners));
+                if !both {
+                    let moved = |k: usize| {
+                        if points[k] == p {
+                            offer.place
+                        } else {
+                            corners[k]
+                        }
+                    };
+                    after += usize::from(guard.opposes([moved(0), moved(1), moved(2)]));
+                }
+            }
+        }
+        after < before
+    }
+}

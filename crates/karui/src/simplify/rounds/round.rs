@@ -1,0 +1,260 @@
+//! One round: every edge is priced, then those under a threshold collapse,
+//! cheapest first, each point at most once.
+
+use super::block::{Block, DEAD, Kind};
+use super::lanes::{self, Four};
+use super::repair::Guard;
+use crate::simplify::candidate::Refusal;
+use crate::simplify::options::Blocked;
+
+/// Prices fall into one bin for every 1/16 of an octave.
+const SHIFT: u32 = 19;
+/// Bins of a histogram of prices.
+pub(super) const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize;
+/// How much dearer than the threshold an edge may have become during a round.
+const SLACK: f32 = 1.3;
+
+/// What was refused in the last round, by reason.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Refused {
+    pub blocked: Blocked,
+    pub by_error: usize,
+}
+
+impl Refused {
+    pub fn count(&mut self, refusal: Refusal) {
+        match refusal {
+            Refusal::Locked => self.blocked.locked += 1,
+            Refusal::Topology => self.blocked.topology += 1,
+            Refusal::Seams => self.blocked.seams += 1,
+            Refusal::Flips => self.blocked.flips += 1,
+            Refusal::Error => self.by_error += 1,
+        }
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        self.blocked.locked += other.blocked.locked;
+        self.blocked.topology += other.blocked.topology;
+        self.blocked.seams += other.blocked.seams;
+        self.blocked.flips += other.blocked.flips;
+        self.by_error += other.by_error;
+    }
+}
+
+/// The price at which a bin ends.
+pub(super) fn upper_end(bin: usize) -> f32 {
+    f32::from_bits(((bin as u32 + 1) << SHIFT) - 1)
+}
+
+/// How a half-edge comes to its price.
+enum View {
+    /// It has none: its other half has, or neither end may vanish.
+    None,
+    /// That of the last round holds.
+    Known,
+    /// Between two points that are free.
+    Plain,
+    /// Anything else.
+    Odd,
+}
+
+/// A price that is not a number is one that nobody pays.
+#[inline(always)]
+fn payable(price: f32) -> f32 {
+    if price >= 0.0 { price } else { f32::INFINITY }
+}
+
+#[inline(always)]
+fn count(bins: &mut [u32], price: f32) {
+    if let Some(count) = bins.get_mut((price.to_bits() >> SHIFT) as usize) {
+        *count += 1;
+    }
+}
+
+impl Block {
+    /// Prices the half-edges whose surroundings the last round has changed and
+    /// counts all prices into `bins`.
+    pub fn look(&mut self, bins: &mut [u32]) {
+        self.refused = Refused::default();
+        let mut four = Four::default();
+        for t in 0..self.triangle.len() {
+            let points = self.triangle[t];
+            if points[0] == DEAD {
+                continue;
+            }
+            for k in 0..3 {
+                let (p, q) = (points[k], points[(k + 1) % 3]);
+                let slot = 3 * t + k;
+                match self.view(p, q, slot) {
+                    View::None => self.price[slot] = f32::INFINITY,
+                    View::Known => count(bins, self.price[slot]),
+                    View::Odd => {
+                        self.price[slot] = self.price_of(p, q);
+                        count(bins, self.price[slot]);
+                    }
+                    View::Plain => {
+                        if four.push((p, q), slot as u32) {
+                            self.price_four(&mut four, bins);
+                        }
+                    }
+                }
+            }
+        }
+        self.price_four(&mut four, bins);
+        self.round += 1;
+    }
+
+    /// What the half-edge from `p` to `q` needs.
+    #[inline(always)]
+    fn view(&self, p: u32, q: u32, slot: usize) -> View {
+        let plain = [p, q]
+            .iter()
+            .all(|&p| self.kind[p as usize] == Kind::Interior);
+        if p > q && (plain || !self.stands_for_edge(p, q)) {
+            return View::None;
+        }
+        let is_old = |p: u32| self.changed[p as usize] < self.round;
+        if is_old(p) && is_old(q) && self.price[slot].is_finite() {
+            View::Known
+        } else if plain && !self.rules.subset {
+            View::Plain
+        } else {
+            View::Odd
+        }
+    }
+
+    fn price_four(&mut self, four: &mut Four, bins: &mut [u32]) {
+        let star = |p: u32| &self.star[p as usize];
+        let a = four.ends.map(|(p, _)| star(p));
+        let b = four.ends.map(|(_, q)| star(q));
+        let prices = lanes::prices(a, b).to_array();
+        for i in 0..four.len {
+            let (p, q) = four.ends[i];
+            let mut price = prices[i];
+            if !self.weight.is_empty() {
+                price *= 0.5 * (self.weight[p as usize] + self.weight[q as usize]);
+            }
+            let price = payable(price);
+            self.price[four.slots[i] as usize] = price;
+            count(bins, price);
+        }
+        four.len = 0;
+    }
+
+    /// Of the two halves of an edge one is looked at; that of a border is the
+    /// only one.
+    #[inline(always)]
+    fn stands_for_edge(&self, p: u32, q: u32) -> bool {
+        let may_be_border = |p: u32| {
+            self.kind[p as usize] != Kind::Interior && self.kind[p as usize] != Kind::Shared
+        };
+        p < q || (may_be_border(p) && may_be_border(q) && self.is_feature(p, q))
+    }
+
+    fn price_of(&mut self, p: u32, q: u32) -> f32 {
+        match self.offer(p.min(q), p.max(q)) {
+            Some(offer) => payable(offer.cost),
+            None => {
+                let kinds = [p, q].map(|p| self.kind[p as usize]);
+                if kinds.contains(&Kind::Locked) {
+                    self.refused.count(Refusal::Locked);
+                } else if !kinds.contains(&Kind::Shared) {
+                    self.refused.count(Refusal::Topology);
+                }
+                f32::INFINITY
+            }
+        }
+    }
+
+    /// Half-edges at `threshold` or under, as (bits of the price, half-edge),
+    /// cheapest first to within 3 %.
+    pub fn under(&self, threshold: f32) -> Vec<(u32, u32)> {
+        let mut found: Vec<(u32, u32)> = Vec::with_capacity(self.alive / 4);
+        for (t, points) in self.triangle.iter().enumerate() {
+            if points[0] == DEAD {
+                continue;
+            }
+            for (k, price) in self.price[3 * t..3 * t + 3].iter().enumerate() {
+                if *price <= threshold {
+                    found.push((price.to_bits(), (3 * t + k) as u32));
+                }
+            }
+        }
+        by_price(&found)
+    }
+
+    /// Collapses what is under the threshold, `most` edges at most.
+    pub fn collapse_under(&mut self, threshold: f32, most: usize, guard: Option<Guard<'_>>) {
+        let enough = self.collapses + most;
+        for (_, half_edge) in self.under(threshold) {
+            if self.collapses >= enough {
+                break;
+            }
+            self.attempt(half_edge, threshold, guard);
+        }
+    }
+
+    /// Collapses the edge of this half-edge if neither of its points has been
+    /// touched in this round and its price still is about the threshold.
+    pub fn attempt(&mut self, half_edge: u32, threshold: f32, guard: Option<Guard<'_>>) {
+        let (t, k) = (half_edge as usize / 3, half_edge as usize % 3);
+        let points = self.triangle[t];
+        if points[0] == DEAD {
+            return;
+        }
+        let (p, q) = (points[k], points[(k + 1) % 3]);
+        if [p, q]
+            .iter()
+            .any(|&p| self.touched[p as usize] == self.round)
+        {
+            return;
+        }
+        let Some(offer) = self.offer(p.min(q), p.max(q)) else {
+            return;
+        };
+        if offer.cost <= SLACK * threshold
+            && let Err(refusal) = self.accept(&offer, guard)
+        {
+            self.refused.count(refusal);
+            // Until its surroundings change it stands behind edges of twice
+            // its price, so as not to crowd them out.
+            self.price[half_edge as usize] = 2.0 * threshold.max(f32::MIN_POSITIVE);
+        }
+    }
+}
+
+/// Sorted by price, to within 3 %, in linear time; equals keep their order.
+fn by_price(found: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    const FINE: u32 = 18;
+    let bin = |price: u32| (price >> FINE) as usize;
+    let least = found.iter().map(|f| bin(f.0)).min().unwrap_or(0);
+    let most = found.iter().map(|f| bin(f.0)).max().unwrap_or(0);
+    let mut start = vec![0u32; most - least + 2];
+    for f in found {
+        start[bin(f.0) - least + 1] += 1;
+    }
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut sorted = vec![(0, 0); found.len()];
+    for &f in found {
+        let at = &mut start[bin(f.0) - least];
+        sorted[*at as usize] = f;
+        *at += 1;
+    }
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prices_come_out_in_order() {
+        let prices = [3.0f32, 0.0, 1e-20, 7.5, 0.25, 1e9, 0.25];
+        let found: Vec<(u32, u32)> = (0..).zip(prices).map(|(i, p)| (p.to_bits(), i)).collect();
+        let order: Vec<u32> = by_price(&found).iter().map(|f| f.1).collect();
+        assert_eq!(order, [1, 2, 4, 6, 0, 3, 5]);
+        assert!(by_price(&[]).is_empty());
+    }
+}
