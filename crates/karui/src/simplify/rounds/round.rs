@@ -128,8 +128,7 @@ impl Block {
         let a = four.ends.map(|(p, _)| star(p));
         let b = four.ends.map(|(_, q)| star(q));
         let prices = lanes::prices(a, b).to_array();
-        for i in 0..four.len {
-            let (p, q) = four.ends[i];
+        for (i, &(p, q)) in four.ends[..four.len].iter().enumerate() {
             let mut price = prices[i];
             if !self.weight.is_empty() {
                 price *= 0.5 * (self.weight[p as usize] + self.weight[q as usize]);
