@@ -462,10 +462,16 @@ fn bench_simplify_compares_modes_and_keeps_the_page_around_it() {
     folder.ok(&page);
     let written = String::from_utf8(folder.read("page.md")).unwrap();
     assert!(written.starts_with("# Figures\n"), "{written}");
-    for (title, row) in [("### Geometry", "| `land.ply`"), ("### Size", "| default ")] {
+    for (title, row) in [
+        ("### Geometry", "| `land.ply`"),
+        ("### Size", "| balanced "),
+    ] {
         let section = written.split(title).nth(1).expect(title);
         let row = section.lines().find(|l| l.starts_with(row)).expect(row);
-        assert!(row.contains("default"), "{row}");
+        assert!(
+            row.contains(" fast ") || row.contains(" balanced "),
+            "{row}"
+        );
     }
     folder.ok(&page);
     let again = String::from_utf8(folder.read("page.md")).unwrap();

@@ -5,7 +5,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use karui::TriMesh;
 use karui::mesh::shapes;
-use karui::simplify::{Cost, Placement, SimplifyOptions, Stop, simplify};
+use karui::simplify::{Cost, Placement, Quality, SimplifyOptions, Stop, simplify};
 
 fn main() {
     divan::main();
@@ -55,12 +55,20 @@ fn sphere_half_edge(bencher: Bencher<'_, '_>) {
     run(bencher, shapes::icosphere(5), options);
 }
 
-/// 20,736 triangles, equally rough everywhere, to 50, 10 and 1 %.
-#[divan::bench(args = [0.5, 0.1, 0.01], sample_count = 3)]
-fn landscape(bencher: Bencher<'_, '_>, ratio: f64) {
-    let mesh = shapes::landscape(144, 72, 7);
+/// 69,696 triangles, equally rough everywhere, to 50, 10 and 1 %.
+#[divan::bench(
+    args = [
+        (Quality::Fast, 0.5), (Quality::Fast, 0.1), (Quality::Fast, 0.01),
+        (Quality::Balanced, 0.5), (Quality::Balanced, 0.1), (Quality::Balanced, 0.01),
+        (Quality::Exact, 0.1),
+    ],
+    sample_count = 3,
+)]
+fn landscape(bencher: Bencher<'_, '_>, (quality, ratio): (Quality, f64)) {
+    let mesh = shapes::landscape(264, 132, 7);
     let options = SimplifyOptions {
         stop: Stop::ratio(ratio),
+        quality,
         ..SimplifyOptions::default()
     };
     bencher

@@ -5,7 +5,7 @@ use super::peers::Peer;
 use crate::failure::Failure;
 use anyhow::Result;
 use karui::TriMesh;
-use karui::simplify::{ClusterOptions, SimplifyOptions, Stop, cluster, simplify};
+use karui::simplify::{ClusterOptions, Quality, SimplifyOptions, Stop, cluster, simplify};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// One of our modes.
@@ -19,10 +19,10 @@ pub struct Mode {
 }
 
 /// Our modes: to add one, add a line.
-pub const MODES: [Mode; 2] = [
-    Mode::collapses("default", |mesh, triangles| {
-        collapsed(mesh, triangles, SimplifyOptions::default())
-    }),
+pub const MODES: [Mode; 4] = [
+    Mode::tight("fast", |mesh, n| collapsed(mesh, n, Quality::Fast)),
+    Mode::tight("balanced", |mesh, n| collapsed(mesh, n, Quality::Balanced)),
+    Mode::tight("exact", |mesh, n| collapsed(mesh, n, Quality::Exact)),
     Mode {
         name: "sloppy",
         loose: true,
@@ -31,10 +31,7 @@ pub const MODES: [Mode; 2] = [
 ];
 
 impl Mode {
-    const fn collapses(
-        name: &'static str,
-        run: fn(&TriMesh, usize) -> karui::Result<TriMesh>,
-    ) -> Self {
+    const fn tight(name: &'static str, run: fn(&TriMesh, usize) -> karui::Result<TriMesh>) -> Self {
         Self {
             name,
             loose: false,
@@ -43,13 +40,13 @@ impl Mode {
     }
 }
 
-fn collapsed(
-    mesh: &TriMesh,
-    triangles: usize,
-    options: SimplifyOptions<'_>,
-) -> karui::Result<TriMesh> {
-    let stop = Stop::triangles(triangles);
-    Ok(simplify(mesh, &SimplifyOptions { stop, ..options })?.mesh)
+fn collapsed(mesh: &TriMesh, triangles: usize, quality: Quality) -> karui::Result<TriMesh> {
+    let options = SimplifyOptions {
+        stop: Stop::triangles(triangles),
+        quality,
+        ..SimplifyOptions::default()
+    };
+    Ok(simplify(mesh, &options)?.mesh)
 }
 
 fn clustered(mesh: &TriMesh, triangles: usize) -> karui::Result<TriMesh> {
