@@ -118,6 +118,24 @@ fn a_flat_grid_stays_flat() {
 }
 
 #[test]
+fn open_borders_are_held() {
+    for ratio in [0.3, 0.1, 0.03] {
+        let coarse = to(&shapes::terrain(100, 100, 2), Stop::ratio(ratio));
+        let bounds = coarse.mesh.bounds();
+        for axis in [0, 2] {
+            assert!(
+                bounds.min[axis].abs() < 0.1 * coarse.cell as f32,
+                "{ratio} {bounds:?}"
+            );
+            assert!(
+                (bounds.max[axis] - 1.0).abs() < 0.1 * coarse.cell as f32,
+                "{ratio} {bounds:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn charts_do_not_mix() {
     // A seam: u jumps from 1 to 0 there, so a triangle with corners from both
     // of its sides would span nearly all of the texture.

@@ -63,7 +63,8 @@ pub struct SimplifyArgs {
 }
 
 /// Options that clustering has no use for.
-const SHAPING: [&str; 10] = [
+const SHAPING: [&str; 11] = [
+    "quality",
     "border",
     "lock_border",
     "weights",

@@ -85,13 +85,13 @@ impl Sets {
     }
 
     fn join(&self, a: u32, b: u32) {
-        let (mut a, mut b) = (self.parent(a), self.parent(b));
-        while a != b {
-            (a, b) = (self.find(a), self.find(b));
-            if a == b {
+        let (mut x, mut y) = (a, b);
+        loop {
+            (x, y) = (self.find(x), self.find(y));
+            if x == y {
                 return;
             }
-            let (least, greatest) = (a.min(b), a.max(b));
+            let (least, greatest) = (x.min(y), x.max(y));
             let root = &self.0[greatest as usize];
             if root
                 .compare_exchange(greatest, least, Relaxed, Relaxed)
@@ -104,14 +104,19 @@ impl Sets {
 
     /// Joins the corners of a triangle that lie in one cell.
     fn join_within(&self, [a, b, c]: [u32; 3], keys: &[u64]) {
+        // Most have been joined already, as corners of other triangles.
+        let [p, q, r] = [a, b, c].map(|v| self.parent(v));
+        if p == q && q == r {
+            return;
+        }
         let [x, y, z] = [a, b, c].map(|v| keys[v as usize]);
-        if x == y {
+        if x == y && p != q {
             self.join(a, b);
         }
-        if y == z {
+        if y == z && q != r {
             self.join(b, c);
         }
-        if z == x && x != y {
+        if z == x && x != y && r != p {
             self.join(c, a);
         }
     }

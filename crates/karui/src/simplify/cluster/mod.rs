@@ -12,6 +12,7 @@
 //! - A. Kapoulkine: meshoptimizer, `meshopt_simplifySloppy`, for the search of
 //!   the grid by counting.
 
+mod border;
 mod grid;
 mod groups;
 mod output;
@@ -22,6 +23,7 @@ use super::{Stop, Stopped, check_stop, same_length, target};
 use crate::error::Result;
 use crate::mesh::{PositionIds, TriMesh};
 use crate::progress::{Progress, Silent, step};
+use border::Border;
 use grid::Grid;
 use groups::Groups;
 use place::Placed;
@@ -119,7 +121,8 @@ pub fn cluster(mesh: &TriMesh, options: &ClusterOptions<'_>) -> Result<Clustered
     let ids = PositionIds::of_mesh(mesh);
     let grid = Grid::new(mesh, &ids, options.locks);
     step(options.progress, STAGE, 0.2)?;
-    let trial = |scale| Trial::new(mesh, &ids, &grid, scale);
+    let border = Border::of(mesh, &ids);
+    let trial = |scale| Trial::new(mesh, &ids, &grid, border.as_ref(), scale);
     let (mut best, mut stopped) = search::by_target(mesh, &grid, wanted.triangles, trial);
     step(options.progress, STAGE, 0.7)?;
     if best.placed.error > wanted.error {
@@ -152,12 +155,23 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(mesh: &TriMesh, ids: &PositionIds, grid: &Grid, scale: u32) -> Self {
+    fn new(
+        mesh: &TriMesh,
+        ids: &PositionIds,
+        grid: &Grid,
+        border: Option<&Border<'_>>,
+        scale: u32,
+    ) -> Self {
         let mut keys = Vec::new();
         grid.keys(scale, &mut keys);
         let groups = Groups::of(mesh, ids, &keys);
         let walls_of = |v: u32| grid.cell_box(keys[v as usize], scale);
-        let placed = place::place(mesh, &groups, grid.cell_size(scale), walls_of);
+        let surface = place::Surface {
+            mesh,
+            groups: &groups,
+            border,
+        };
+        let placed = place::place(surface, grid.cell_size(scale), walls_of);
         Self {
             scale,
             kept: output::kept(mesh, &groups, &placed),

@@ -44,9 +44,14 @@ pub(super) fn kept(mesh: &TriMesh, groups: &Groups, placed: &Placed) -> Vec<u32>
         let corners = || points.map(|p| placed.positions[p as usize].as_dvec3());
         differ(&points) && normal_times_two_areas(corners()) != DVec3::ZERO
     };
-    let mut kept: Vec<u32> = Vec::new();
-    let chunks = (0..mesh.triangles.len() as u32).into_par_iter();
-    kept.par_extend(chunks.filter(stays));
+    let chunks = (0..mesh.triangles.len() as u32)
+        .into_par_iter()
+        .step_by(CHUNK);
+    let chunk = |first: u32| {
+        let end = (first as usize + CHUNK).min(mesh.triangles.len());
+        (first..end as u32).filter(stays)
+    };
+    let mut kept: Vec<u32> = chunks.flat_map_iter(chunk).collect();
     let ends: Vec<u32> = mesh.ranges.iter().map(|r| r.first + r.count).collect();
     let range = |t: u32| ends.partition_point(|&end| end <= t);
     // Triangles already met, in one list a least point.

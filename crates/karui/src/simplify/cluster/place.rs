@@ -1,9 +1,10 @@
 //! Where the vertex that stands for a group goes.
 
+use super::border::Border;
 use super::grid::differ;
 use super::groups::Groups;
 use crate::mesh::TriMesh;
-use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec3, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -15,15 +16,24 @@ pub(super) struct Placed {
     pub error: f64,
 }
 
-/// Places every point where the planes of its triangles meet best, within the
-/// cell of side `cell` that `cell_of` gives for its first vertex; those without
-/// a cell and those of one position only stay.
+/// A mesh, grouped.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    pub mesh: &'a TriMesh,
+    pub groups: &'a Groups,
+    /// Its open borders, if there are any.
+    pub border: Option<&'a Border<'a>>,
+}
+
+/// Places every point where the planes of its triangles (and the lines of its
+/// borders) meet best, within the cell of side `cell` that `cell_of` gives for
+/// its first vertex; those without a cell and those of one position only stay.
 pub(super) fn place(
-    mesh: &TriMesh,
-    groups: &Groups,
+    surface: Surface<'_>,
     cell: f64,
     cell_of: impl Fn(u32) -> Option<[DVec3; 2]> + Sync,
 ) -> Placed {
+    let Surface { mesh, groups, .. } = surface;
     let blocks = blocks(groups.points);
     let extents = match blocks.len() {
         0 | 1 => vec![[0, u32::MAX]; mesh.triangles.len().div_ceil(CHUNK)],
@@ -31,7 +41,7 @@ pub(super) fn place(
     };
     let per_unit = (1.0 / cell) as f32;
     let place_block = |block: Range<u32>| {
-        let sums = Block::new(mesh, groups, block.clone(), per_unit).summed(&extents);
+        let sums = Block::new(surface, block.clone(), per_unit).summed(&extents);
         let placed = sums.iter().zip(block).map(|(sum, p)| {
             let walls = cell_of(groups.first_vertex[p as usize]);
             sum.place(walls, cell)
@@ -71,20 +81,19 @@ fn extents(mesh: &TriMesh, groups: &Groups) -> Vec<[u32; 2]> {
 
 /// The sums of a range of points.
 struct Block<'a> {
-    mesh: &'a TriMesh,
-    groups: &'a Groups,
+    surface: Surface<'a>,
     points: Range<u32>,
     per_unit: f32,
     sums: Vec<Sums>,
 }
 
 impl<'a> Block<'a> {
-    fn new(mesh: &'a TriMesh, groups: &'a Groups, points: Range<u32>, per_unit: f32) -> Self {
+    fn new(surface: Surface<'a>, points: Range<u32>, per_unit: f32) -> Self {
+        let Surface { mesh, groups, .. } = surface;
         let first = &groups.first_vertex[points.start as usize..points.end as usize];
         let sum = |&v: &u32| Sums::new(mesh.positions[v as usize]);
         Self {
-            mesh,
-            groups,
+            surface,
             points,
             per_unit,
             sums: first.iter().map(sum).collect(),
@@ -92,8 +101,8 @@ impl<'a> Block<'a> {
     }
 
     fn summed(mut self, extents: &[[u32; 2]]) -> Vec<Sums> {
-        let mesh = self.mesh;
-        for (chunk, &[least, greatest]) in mesh.triangles.chunks(CHUNK).zip(extents) {
+        let triangles = &self.surface.mesh.triangles;
+        for (chunk, &[least, greatest]) in triangles.chunks(CHUNK).zip(extents) {
             if least < self.points.end && greatest >= self.points.start {
                 chunk.iter().for_each(|&t| self.add(t));
             }
@@ -103,33 +112,58 @@ impl<'a> Block<'a> {
 
     /// Adds a triangle to the points of the block among its corners.
     fn add(&mut self, triangle: [u32; 3]) {
-        let points = triangle.map(|v| self.groups.point_of[v as usize]);
+        let Surface {
+            mesh,
+            groups,
+            border,
+        } = self.surface;
+        let points = triangle.map(|v| groups.point_of[v as usize]);
         if !points.iter().any(|p| self.points.contains(p)) {
             return;
         }
-        let corners = triangle.map(|v| self.mesh.positions[v as usize]);
-        let [a, b] = [1, 2].map(|k| (corners[k] - corners[0]) * self.per_unit);
-        let normal = a.cross(b);
+        let corners = triangle.map(|v| Vec3A::from(mesh.positions[v as usize]));
+        let sides = [1, 2].map(|k| (corners[k] - corners[0]) * self.per_unit);
+        let normal = sides[0].cross(sides[1]);
         let two_areas = normal.length();
         if !(two_areas > 0.0 && two_areas < f32::INFINITY) {
             return;
         }
         let normal = normal / two_areas;
-        if points[0] == points[1] && points[1] == points[2] {
-            let sum = &mut self.sums[(points[0] - self.points.start) as usize];
-            corners
-                .iter()
-                .for_each(|&c| sum.add_corner(c, two_areas, self.per_unit));
-            sum.add_plane(normal, corners[0], two_areas, self.per_unit);
+        let alive = differ(&points);
+        for (k, point) in points.into_iter().enumerate() {
+            if points[..k].contains(&point) || !self.points.contains(&point) {
+                continue;
+            }
+            // 1 for the corners that are this point's.
+            let own = points.map(|p| f32::from(u8::from(p == point)));
+            let sum = &mut self.sums[(point - self.points.start) as usize];
+            let first = (corners[0] - sum.origin) * self.per_unit;
+            sum.alive |= alive;
+            sum.add_corners(first, sides, own, two_areas);
+            let share = (own[0] + own[1] + own[2]) / 3.0;
+            sum.add_plane(normal, first, two_areas * share);
+        }
+        if let Some(border) = border {
+            (0..3)
+                .filter(|&k| border.has(triangle[k], triangle[(k + 1) % 3]))
+                .for_each(|k| self.add_border(points, corners, normal, k));
+        }
+    }
+
+    /// Adds the plane that stands on a triangle's edge from corner `k`.
+    fn add_border(&mut self, points: [u32; 3], corners: [Vec3A; 3], normal: Vec3A, k: usize) {
+        let ends = [k, (k + 1) % 3];
+        let edge = (corners[ends[1]] - corners[ends[0]]) * self.per_unit;
+        let length = edge.length();
+        let outward = (edge / length).cross(normal);
+        if !outward.is_finite() {
             return;
         }
-        let alive = differ(&points);
-        for (point, corner) in points.into_iter().zip(corners) {
-            if self.points.contains(&point) {
-                let sum = &mut self.sums[(point - self.points.start) as usize];
-                sum.alive |= alive;
-                sum.add_corner(corner, two_areas, self.per_unit);
-                sum.add_plane(normal, corner, two_areas / 3.0, self.per_unit);
+        for end in ends.map(|k| points[k]) {
+            if self.points.contains(&end) {
+                let sum = &mut self.sums[(end - self.points.start) as usize];
+                let through = (corners[ends[0]] - sum.origin) * self.per_unit;
+                sum.add_plane(outward, through, BORDER * length);
             }
         }
     }
@@ -143,13 +177,15 @@ struct Sums {
     planes: [Vec4; 4],
     /// Corners, weighted by the areas of their triangles; the weight in w.
     corners: Vec4,
-    origin: Vec3,
-    /// Squared distances of corners from the origin, weighted.
-    squares: f32,
+    /// Squares of their coordinates, weighted likewise.
+    squares: Vec3A,
+    origin: Vec3A,
     /// Whether a triangle is left at it.
     alive: bool,
 }
 
+/// Weight of a border as long as a cell, in cell faces.
+const BORDER: f32 = 1.0;
 /// Share of the pull to the mean, where the planes leave a direction open.
 const PULL: f64 = 1e-3;
 
@@ -158,21 +194,24 @@ impl Sums {
         Self {
             planes: [Vec4::ZERO; 4],
             corners: Vec4::ZERO,
-            origin,
-            squares: 0.0,
+            squares: Vec3A::ZERO,
+            origin: origin.into(),
             alive: false,
         }
     }
 
-    fn add_corner(&mut self, corner: Vec3, weight: f32, per_unit: f32) {
-        let local = (corner - self.origin) * per_unit;
-        self.corners += local.extend(1.0) * weight;
-        self.squares += local.length_squared() * weight;
+    /// Adds those of a triangle's corners that are its own: the first, and the
+    /// two at the ends of `sides` from there.
+    fn add_corners(&mut self, first: Vec3A, sides: [Vec3A; 2], own: [f32; 3], weight: f32) {
+        let [a, b, c] = own.map(|own| own * weight);
+        let [second, third] = sides.map(|side| first + side);
+        let sum = first * a + second * b + third * c;
+        self.corners += sum.extend(a + b + c);
+        self.squares += first * first * a + second * second * b + third * third * c;
     }
 
-    fn add_plane(&mut self, normal: Vec3, through: Vec3, weight: f32, per_unit: f32) {
-        let offset = normal.dot((through - self.origin) * per_unit);
-        let plane = normal.extend(-offset);
+    fn add_plane(&mut self, normal: Vec3A, through: Vec3A, weight: f32) {
+        let plane = normal.extend(-normal.dot(through));
         let weighted = plane * weight;
         self.planes[0] += plane * weighted.x;
         self.planes[1] += plane * weighted.y;
@@ -184,10 +223,10 @@ impl Sums {
     /// corners of the cell.
     fn place(&self, walls: Option<[DVec3; 2]>, cell: f64) -> (Vec3, f64) {
         // Points of one position stay where they are, to the bit.
-        let Some(walls) = walls.filter(|_| self.squares > 0.0) else {
-            return (self.origin, 0.0);
+        let Some(walls) = walls.filter(|_| self.squares != Vec3A::ZERO) else {
+            return (self.origin.into(), 0.0);
         };
-        let origin = self.origin.as_dvec3();
+        let origin = Vec3::from(self.origin).as_dvec3();
         let walls = walls.map(|w| (w - origin) / cell);
         let mean = self.corners.truncate().as_dvec3() / f64::from(self.corners.w);
         let best = self.best(mean);
@@ -202,7 +241,7 @@ impl Sums {
         if position.is_finite() && off.is_finite() {
             (position, off)
         } else {
-            (self.origin, 0.0)
+            (self.origin.into(), 0.0)
         }
     }
 
@@ -226,7 +265,7 @@ impl Sums {
 
     /// Root mean square distance of the corners from their mean.
     fn radius(&self, mean: DVec3) -> f64 {
-        let squares = f64::from(self.squares) / f64::from(self.corners.w);
+        let squares = f64::from(self.squares.element_sum()) / f64::from(self.corners.w);
         (squares - mean.length_squared()).max(0.0).sqrt()
     }
 }

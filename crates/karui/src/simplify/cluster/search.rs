@@ -6,8 +6,8 @@ use crate::mesh::TriMesh;
 use crate::simplify::Stopped;
 use rayon::prelude::*;
 
-/// Triangles that the first guess is made with.
-const SAMPLE: usize = 4096;
+/// Triangles that the first guess is made with, at least, and the least share.
+const SAMPLE: (usize, usize) = (4096, 48);
 /// Triangles in a row of the sample.
 const RUN: usize = 32;
 /// Triangles a task counts.
@@ -79,7 +79,8 @@ fn by_count(mesh: &TriMesh, grid: &Grid, target: usize) -> u32 {
 
 /// Evenly spread runs of triangles.
 fn sample(mesh: &TriMesh, grid: &Grid) -> Vec<[[u32; 3]; 3]> {
-    let stride = (mesh.triangles.len() * RUN).div_ceil(SAMPLE).max(RUN);
+    let all = mesh.triangles.len();
+    let stride = (all * RUN).div_ceil(SAMPLE.0.max(all / SAMPLE.1)).max(RUN);
     let runs = mesh.triangles.chunks(stride);
     runs.flat_map(|run| &run[..run.len().min(RUN)])
         .map(|&t| grid.triangle(t))
