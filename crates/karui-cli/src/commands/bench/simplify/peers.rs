@@ -41,13 +41,21 @@ pub fn of(kind: Kind) -> &'static [Peer] {
 
 /// The peer that ours of this name is put in relation to: the closest of them,
 /// or the one as loose.
-pub fn reference(kind: Kind, name: &str) -> Peer {
-    let is_loose = MODES.iter().any(|m| m.name == name && m.loose);
+pub fn reference(kind: Kind, ours: &str) -> Peer {
     match kind {
-        Kind::Geometry if is_loose => Peer::Sloppy,
+        Kind::Geometry if is_loose(ours) => Peer::Sloppy,
         Kind::Geometry => Peer::Update,
         Kind::Attributes => Peer::AttributesUpdate,
     }
+}
+
+/// Whether two of these names promise the same: to keep the topology, or not.
+pub fn are_alike(ours: &str, other: &str) -> bool {
+    is_loose(ours) == (other == Peer::Sloppy.name())
+}
+
+fn is_loose(ours: &str) -> bool {
+    MODES.iter().any(|m| m.name == ours && m.loose)
 }
 
 impl Peer {

@@ -1,5 +1,6 @@
 //! Every mode of ours against every other tool, over all models.
 
+use super::super::peers::are_alike;
 use super::super::rounds::Row;
 use super::models::{ERRORS, error_ratio, memory_ratio, same_task, time_ratio};
 use super::ratio::{Ratio, geometric_mean, marked};
@@ -10,7 +11,8 @@ use crate::table::table as plain_table;
 pub fn table(rows: &[Row]) -> Option<String> {
     let mut tasks: Vec<(&str, usize, f64, &str)> = Vec::new();
     for ours in rows.iter().filter(|r| r.ours) {
-        for other in rows.iter().filter(|r| !r.ours && same_task(r, ours)) {
+        let others = rows.iter().filter(|r| !r.ours && same_task(r, ours));
+        for other in others.filter(|r| are_alike(&ours.name, &r.name)) {
             let task = (&*ours.name, ours.threads, ours.target, &*other.name);
             if !tasks.contains(&task) {
                 tasks.push(task);
