@@ -58,9 +58,9 @@ fn status(key: &str) -> Option<u64> {
 /// Processor time of the process so far, where the system tells it exactly.
 #[cfg(unix)]
 fn cpu_seconds() -> Option<f64> {
-    use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
+    use nix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).ok()?;
+    Some(time.tv_sec() as f64 + time.tv_nsec() as f64 * 1e-9)
 }
 
 #[cfg(not(unix))]
