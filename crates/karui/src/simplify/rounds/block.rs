@@ -2,6 +2,7 @@
 //! that its collapses read and change.
 
 use super::level::Level;
+use super::partition::Cut;
 use super::planes::Planes;
 use super::star::Star;
 use super::sym3::Sym3;
@@ -132,33 +133,12 @@ pub(super) fn turned([a, b, c]: [u32; 3], p: u32) -> [u32; 3] {
 }
 
 impl Block {
-    /// Cuts the triangles `origin` out of the level. `local` has one entry a
-    /// point of the level, all [`DEAD`] before and after; points that
-    /// `is_shared` names belong to several blocks.
-    pub fn new(
-        level: &Level,
-        origin: Vec<u32>,
-        rules: Rules,
-        local: &mut [u32],
-        is_shared: impl Fn(u32) -> bool,
-    ) -> Self {
-        let mut global = Vec::with_capacity(origin.len() * 5 / 8);
-        let mut number = |p: u32| {
-            let known = &mut local[p as usize];
-            if *known == DEAD {
-                *known = global.len() as u32;
-                global.push(p);
-            }
-            *known
-        };
-        let triangle: Vec<[u32; 3]> = origin
-            .iter()
-            .map(|&t| level.triangle[t as usize].map(&mut number))
-            .collect();
-        global.iter().for_each(|&p| local[p as usize] = DEAD);
+    /// Takes a block out of the level; once only.
+    pub fn new(level: &Level, cut: &Cut, origin: Vec<u32>, rules: Rules) -> Self {
+        let (triangle, global) = cut.numbered(level, &origin);
         let points = global.len();
         let of = |p: &u32| *p as usize;
-        let kind = |p: &u32| match (is_shared(*p), level.is_locked(*p)) {
+        let kind = |p: &u32| match (cut.is_shared(*p), level.is_locked(*p)) {
             (true, _) => Kind::Shared,
             (_, true) => Kind::Locked,
             _ => Kind::Interior,

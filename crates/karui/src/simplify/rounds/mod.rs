@@ -27,10 +27,10 @@ use super::exact::Target;
 use super::options::{Blocked, Stopped};
 use crate::error::Result;
 use crate::progress::{Progress, step};
-use block::{Block, DEAD};
+use block::Block;
+use partition::Cut;
 use rayon::prelude::*;
 use round::{BINS, Refused, upper_end};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Share of the edges looked at that may collapse in one round.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +61,6 @@ pub(crate) struct Ran {
 struct Run<'a> {
     target: Target,
     pace: Pace,
-    rules: Rules,
     guard: Option<Guard<'a>>,
     progress: &'a dyn Progress,
     start: usize,
@@ -85,7 +84,6 @@ pub(crate) fn run(
     let mut run = Run {
         target,
         pace,
-        rules,
         guard,
         progress,
         start: level.triangle.len(),
@@ -99,7 +97,7 @@ pub(crate) fn run(
             break;
         }
         let before = run.collapses;
-        let mut blocks = run.cut(&level, phase);
+        let mut blocks = Cut::of(&level, phase).into_blocks(&level, rules);
         run.phase(&mut blocks)?;
         level = level.join(&blocks);
         // Of two cuts one has every point inside a block.
@@ -118,38 +116,6 @@ pub(crate) fn run(
 }
 
 impl Run<'_> {
-    fn cut(&self, level: &Level, phase: usize) -> Vec<Block> {
-        const FREE: u32 = u32::MAX;
-        const SHARED: u32 = u32::MAX - 1;
-        let cut = partition::blocks(level, phase);
-        let owner: Vec<AtomicU32> = level
-            .position
-            .iter()
-            .map(|_| AtomicU32::new(FREE))
-            .collect();
-        cut.par_iter().enumerate().for_each(|(i, triangles)| {
-            let i = i as u32;
-            for &p in triangles.iter().flat_map(|&t| &level.triangle[t as usize]) {
-                let owner = &owner[p as usize];
-                let known = owner.load(Ordering::Relaxed);
-                if known == i || known == SHARED {
-                    continue;
-                }
-                let claim = owner.compare_exchange(FREE, i, Ordering::Relaxed, Ordering::Relaxed);
-                if claim.is_err() {
-                    owner.store(SHARED, Ordering::Relaxed);
-                }
-            }
-        });
-        let is_shared = |p: u32| owner[p as usize].load(Ordering::Relaxed) == SHARED;
-        let scratch = || vec![DEAD; level.position.len()];
-        cut.into_par_iter()
-            .map_init(scratch, |local, triangles| {
-                Block::new(level, triangles, self.rules, local, is_shared)
-            })
-            .collect()
-    }
-
     /// Rounds over these blocks until the target is met, the phase's share is
     /// done or nothing happens any more.
     fn phase(&mut self, blocks: &mut [Block]) -> Result<()> {
@@ -193,8 +159,11 @@ impl Run<'_> {
                 bins
             })
             .collect();
-        let count = |bin: usize| bins.iter().map(|b| b[bin] as usize).sum::<usize>();
-        let counts: Vec<usize> = (0..BINS).map(count).collect();
+        let mut counts = vec![0; BINS];
+        for bins in &bins {
+            let both = counts.iter_mut().zip(bins);
+            both.for_each(|(count, &own)| *count += own as usize);
+        }
         let edges: usize = counts.iter().sum();
         let collapses = |blocks: &[Block]| blocks.iter().map(|b| b.collapses).sum::<usize>();
         let before = collapses(blocks);

@@ -4,6 +4,7 @@
 
 use super::block::{Block, DEAD, Rules};
 use super::level::Level;
+use super::partition::Cut;
 use super::price::Offer;
 use crate::geom::normal_times_two_areas;
 use crate::spatial::Bvh;
@@ -43,19 +44,17 @@ pub(crate) fn repair(level: Level, rules: Rules, guard: Guard<'_>) -> Level {
     if bad.is_empty() {
         return level;
     }
-    let all = (0..level.triangle.len() as u32).collect();
-    let mut local = vec![DEAD; level.position.len()];
-    let mut block = Block::new(&level, all, rules, &mut local, |_| false);
+    let mut blocks = Cut::whole(&level).into_blocks(&level, rules);
     for _ in 0..PASSES {
         let mut left = false;
         for &t in &bad {
-            left |= !block.turn_back(t, guard);
+            left |= blocks.iter_mut().any(|b| !b.turn_back(t, guard));
         }
         if !left {
             break;
         }
     }
-    level.join(&[block])
+    level.join(&blocks)
 }
 
 impl Block {
