@@ -1,10 +1,14 @@
 //! The round-based driver on a whole mesh.
 
 use super::options::{Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop};
-use super::rounds::{Guard, Level, Pace, Ran, Rules, run};
-use super::{exact::Target, points::points, target};
+use super::output::{Left, assemble};
+use super::points::{Points, points};
+use super::rounds::{Guard, Level, Pace, Rules, Values, run};
+use super::signal::Signal;
+use super::wedges::Normals;
+use super::{blend::blend, exact::Target, target};
 use crate::error::Result;
-use crate::mesh::TriMesh;
+use crate::mesh::{Attributes, TriMesh};
 use crate::spatial::Bvh;
 
 /// As [`super::simplify_chain`], in rounds; none if the options or the mesh
@@ -22,16 +26,24 @@ pub(super) fn simplify_chain(
         Quality::Balanced => 0.25,
         Quality::Exact => return Ok(None),
     };
-    if !is_served(mesh, options) {
+    if !is_served(options) {
         return Ok(None);
     }
     let scale = scale_of(mesh);
-    let (mut level, vertex) = level_of(mesh, options, scale);
-    let index = match options.quality {
-        Quality::Balanced if !mesh.triangles.is_empty() => Some(Bvh::build(mesh)?),
-        _ => None,
+    let mut points = points(mesh);
+    let mut level = level_of(mesh, options, &mut points, scale);
+    let mut attributes = if level.wedge.is_empty() {
+        Attributes::default()
+    } else {
+        mesh.attributes.gathered(&points.wedge_vertex)
+    };
+    let wants_index = options.quality == Quality::Balanced || points.normals == Normals::LookedUp;
+    let index = match wants_index && !level.triangle.is_empty() {
+        true => Some(Bvh::build(mesh)?),
+        false => None,
     };
     let guard = index.as_ref().map(|index| Guard { index, scale });
+    let guard = guard.filter(|_| options.quality == Quality::Balanced);
     let pace = Pace { share };
     let mut done = (0, 0.0f64);
     let mut chain = Vec::with_capacity(stops.len());
@@ -42,13 +54,23 @@ pub(super) fn simplify_chain(
             ..target
         };
         let rules = rules(options, scaled);
-        let ran = run(level, scaled, pace, rules, guard, options.progress)?;
+        let mut ran = run(level, scaled, pace, rules, guard, options.progress)?;
+        for change in std::mem::take(&mut ran.level.log) {
+            blend(&mut attributes, change.wedge, &change.mix);
+        }
         done = (
             done.0 + ran.collapses,
             done.1.max(f64::from(ran.error / scale)),
         );
         chain.push(Simplified {
-            mesh: output(mesh, &ran, &vertex, scale),
+            mesh: output(
+                mesh,
+                &ran.level,
+                &points,
+                &attributes,
+                index.as_ref(),
+                scale,
+            ),
             error: done.1,
             stopped: ran.stopped,
             collapses: done.0,
@@ -59,11 +81,8 @@ pub(super) fn simplify_chain(
     Ok(Some(chain))
 }
 
-fn is_served(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> bool {
-    options.cost == Cost::Memoryless
-        && options.pairs.is_none()
-        && mesh.attributes == Default::default()
-        && mesh.ranges.len() <= 1
+fn is_served(options: &SimplifyOptions<'_>) -> bool {
+    options.cost == Cost::Memoryless && options.pairs.is_none()
 }
 
 fn rules(options: &SimplifyOptions<'_>, target: Target) -> Rules {
@@ -88,42 +107,101 @@ fn scale_of(mesh: &TriMesh) -> f32 {
     }
 }
 
-fn level_of(mesh: &TriMesh, options: &SimplifyOptions<'_>, scale: f32) -> (Level, Vec<u32>) {
-    let points = points(mesh);
+fn level_of(
+    mesh: &TriMesh,
+    options: &SimplifyOptions<'_>,
+    points: &mut Points,
+    scale: f32,
+) -> Level {
     let of = |v: &u32| *v as usize;
     let weight = |w: &[f32]| points.vertex.iter().map(|v| w[of(v)]).collect();
     let lock = |l: &[bool]| points.vertex.iter().map(|v| l[of(v)]).collect();
     let place = |v: &u32| mesh.positions[of(v)] * scale;
-    let level = Level {
+    let mut level = Level {
         position: points.vertex.iter().map(place).collect(),
         weight: options.weights.map(weight).unwrap_or_default(),
         locked: options.locks.map(lock).unwrap_or_default(),
-        triangle: points.triangle,
-        source: points.source,
+        triangle: std::mem::take(&mut points.triangle),
+        source: std::mem::take(&mut points.source),
         ..Level::default()
     };
-    (level, points.vertex)
+    if !points.wedge.is_empty() {
+        let range_of = mesh.range_of_triangles();
+        level.wedge = std::mem::take(&mut points.wedge);
+        level.range = level.source.iter().map(|&t| range_of[t as usize]).collect();
+        level.values = values(mesh, options, points, scale);
+    }
+    level
+}
+
+/// The attributes that count, as lengths in scaled units.
+fn values(mesh: &TriMesh, options: &SimplifyOptions<'_>, points: &Points, scale: f32) -> Values {
+    let with_normals = points.normals == Normals::Kept;
+    let mut signal = Signal::of(
+        mesh,
+        &points.wedge_vertex,
+        &options.attributes,
+        with_normals,
+    );
+    signal.add_skins(&mesh.attributes, &points.wedge_vertex);
+    let uvs = if options.attributes.uv > 0.0 {
+        signal.uvs.clone()
+    } else {
+        Vec::new()
+    };
+    Values {
+        width: signal.width,
+        value: signal.values.iter().map(|v| v * scale).collect(),
+        uvs,
+    }
 }
 
 /// The triangles that are left, in the input's order, and their vertices, in
 /// the order of those they have come from.
-fn output(source: &TriMesh, ran: &Ran, vertex: &[u32], scale: f32) -> TriMesh {
-    let level = &ran.level;
+fn output(
+    source: &TriMesh,
+    level: &Level,
+    points: &Points,
+    attributes: &Attributes,
+    index: Option<&Bvh>,
+    scale: f32,
+) -> TriMesh {
+    if level.wedge.is_empty() {
+        return bare_output(source, level, points, scale);
+    }
+    let left: Vec<Left> = (0..level.triangle.len())
+        .map(|t| Left {
+            source: level.source[t],
+            wedges: level.wedge[t],
+            places: level.triangle[t].map(|p| level.position[p as usize] / scale),
+        })
+        .collect();
+    let wedges = points.wedge_vertex.len();
+    assemble(
+        source,
+        (attributes.clone(), wedges),
+        points.normals,
+        &left,
+        index,
+    )
+}
+
+fn bare_output(source: &TriMesh, level: &Level, points: &Points, scale: f32) -> TriMesh {
     let mut order: Vec<u32> = (0..level.triangle.len() as u32).collect();
     order.sort_unstable_by_key(|&t| level.source[t as usize]);
     let from = |&p: &u32| {
         let origin = level.origin.get(p as usize).copied().unwrap_or(p);
-        (vertex[origin as usize], origin)
+        (points.vertex[origin as usize], origin)
     };
-    let mut points: Vec<u32> = (0..level.position.len() as u32).collect();
-    points.sort_unstable_by_key(from);
-    let mut index = vec![0; points.len()];
-    for (i, &p) in points.iter().enumerate() {
+    let mut kept: Vec<u32> = (0..level.position.len() as u32).collect();
+    kept.sort_unstable_by_key(from);
+    let mut index = vec![0; kept.len()];
+    for (i, &p) in kept.iter().enumerate() {
         index[p as usize] = i as u32;
     }
     let triangle = |&t: &u32| level.triangle[t as usize].map(|p| index[p as usize]);
     let mut mesh = TriMesh {
-        positions: points
+        positions: kept
             .iter()
             .map(|&p| level.position[p as usize] / scale)
             .collect(),
@@ -131,11 +209,8 @@ fn output(source: &TriMesh, ran: &Ran, vertex: &[u32], scale: f32) -> TriMesh {
         ..TriMesh::default()
     };
     let kept: Vec<u32> = order.iter().map(|&t| level.source[t as usize]).collect();
-    mesh.face_attributes = source
-        .face_attributes
-        .iter()
-        .map(|a| a.gathered(&kept))
-        .collect();
+    let face_attributes = source.face_attributes.iter();
+    mesh.face_attributes = face_attributes.map(|a| a.gathered(&kept)).collect();
     mesh.ranges = source.ranges.clone();
     for range in &mut mesh.ranges {
         range.count = mesh.triangles.len() as u32;

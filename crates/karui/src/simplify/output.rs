@@ -3,13 +3,20 @@
 use super::state::State;
 use super::wedges::{Normals, Prepared};
 use crate::geom::normal_times_two_areas;
-use crate::mesh::{SkinWeights, TriMesh};
+use crate::mesh::{Attributes, SkinWeights, TriMesh};
 use crate::spatial::Bvh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The mesh that is left: triangles in the input's order, so that ranges stay
-/// together, and the vertices they use.
+/// A triangle that is left.
+pub(super) struct Left {
+    /// Triangle of the input that it has come from.
+    pub source: u32,
+    pub wedges: [u32; 3],
+    pub places: [Vec3; 3],
+}
+
+/// The mesh that the exact driver has left.
 pub(crate) fn output(
     source: &TriMesh,
     prepared: &Prepared,
@@ -17,27 +24,47 @@ pub(crate) fn output(
     index: Option<&Bvh>,
 ) -> TriMesh {
     let surface = &state.surface;
+    let left: Vec<Left> = (0..surface.points.len())
+        .filter(|&t| surface.is_alive(t))
+        .map(|t| Left {
+            source: prepared.source_triangle[t],
+            wedges: surface.wedges[t],
+            places: surface.places(t).map(|p| p.as_vec3()),
+        })
+        .collect();
+    let attributes = state.attributes.clone();
+    let wedges = prepared.source_vertex.len();
+    assemble(source, (attributes, wedges), prepared.normals, &left, index)
+}
+
+/// The mesh that is left: triangles in the input's order, so that ranges stay
+/// together, and the vertices they use. `attributes` are those of the wedges, and how many there are.
+pub(super) fn assemble(
+    source: &TriMesh,
+    (attributes, wedges): (Attributes, usize),
+    normals: Normals,
+    left: &[Left],
+    index: Option<&Bvh>,
+) -> TriMesh {
     let mut mesh = TriMesh {
-        positions: vec![Vec3::ZERO; prepared.source_vertex.len()],
+        positions: vec![Vec3::ZERO; wedges],
         triangles: vec![[0; 3]; source.triangles.len()],
-        attributes: state.attributes.clone(),
+        attributes,
         face_attributes: source.face_attributes.clone(),
         ranges: source.ranges.clone(),
     };
     let mut alive = vec![false; source.triangles.len()];
-    for (t, &from) in prepared.source_triangle.iter().enumerate() {
-        if surface.is_alive(t) {
-            alive[from as usize] = true;
-            mesh.triangles[from as usize] = surface.wedges[t];
-            for (&wedge, &point) in surface.wedges[t].iter().zip(&surface.points[t]) {
-                mesh.positions[wedge as usize] = surface.position[point as usize].as_vec3();
-            }
+    for triangle in left {
+        alive[triangle.source as usize] = true;
+        mesh.triangles[triangle.source as usize] = triangle.wedges;
+        for (&wedge, place) in triangle.wedges.iter().zip(triangle.places) {
+            mesh.positions[wedge as usize] = place;
         }
     }
     mesh.retain_triangles(|t| alive[t]);
     mesh.remove_unreferenced_vertices();
     normalise_skins(&mut mesh.attributes.skins);
-    match (prepared.normals, index) {
+    match (normals, index) {
         (Normals::Kept, _) => {}
         (Normals::LookedUp, Some(index)) => {
             let normals = looked_up(&mesh, source, index);

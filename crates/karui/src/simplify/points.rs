@@ -3,8 +3,8 @@
 //! where the mesh is manifold, which nearly all of it nearly always is.
 
 use super::sheets;
-use super::wedges;
-use crate::mesh::{PositionIds, TriMesh};
+use super::wedges::{self, Classes, Normals};
+use crate::mesh::{Attributes, PositionIds, TriMesh};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
@@ -19,6 +19,14 @@ pub(super) struct Points {
     pub source: Vec<u32>,
     /// A vertex at every point.
     pub vertex: Vec<u32>,
+    /// Wedges of every triangle; empty if there are neither attributes nor
+    /// materials.
+    pub wedge: Vec<[u32; 3]>,
+    /// Vertex of the mesh that every wedge stands for. A wedge belongs to one
+    /// point.
+    pub wedge_vertex: Vec<u32>,
+    /// What becomes of the normals.
+    pub normals: Normals,
 }
 
 /// Links equal positions, leaves out triangles without three of them and
@@ -35,16 +43,55 @@ pub(super) fn points(mesh: &TriMesh) -> Points {
     let mut source: Vec<u32> = all.filter(is_whole).collect();
     let mut triangle: Vec<[u32; 3]> = source.iter().map(|&t| linked(t as usize)).collect();
     let mut vertex = ids.first_vertices();
+    let (class, normals) = wedges::classes(mesh, &ids);
     let odd = odd_points(&triangle, ids.count);
     if odd.contains(&true) {
-        let split = Split::of(mesh, &ids, &triangle, &source, &odd);
+        let split = Split::of(mesh, &ids, &class, &triangle, &source, &odd);
         split.apply(&mut triangle, &mut source, &mut vertex);
     }
+    let is_bare = mesh.attributes == Attributes::default() && mesh.ranges.len() <= 1;
+    let (wedge, wedge_vertex) = match is_bare {
+        true => Default::default(),
+        false => wedges_of(mesh, &class, &triangle, &source, ids.count),
+    };
     Points {
         triangle,
         source,
         vertex,
+        wedge,
+        wedge_vertex,
+        normals,
     }
+}
+
+/// Wedges of every triangle: the vertex that stands for the corner's, or one
+/// of its own where the point has been split off.
+fn wedges_of(
+    mesh: &TriMesh,
+    class: &Classes,
+    triangle: &[[u32; 3]],
+    source: &[u32],
+    positions: usize,
+) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let wedges = |&t: &u32| mesh.triangles[t as usize].map(|v| class.of_vertex[v as usize]);
+    let mut wedge: Vec<[u32; 3]> = source.iter().map(wedges).collect();
+    let mut vertex: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let mut split: Vec<(u32, u32, usize)> = Vec::new();
+    for (t, points) in triangle.iter().enumerate() {
+        for (k, &p) in points.iter().enumerate() {
+            if p as usize >= positions {
+                split.push((p, wedge[t][k], 3 * t + k));
+            }
+        }
+    }
+    split.sort_unstable();
+    for same in split.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for &(_, _, corner) in same {
+            wedge[corner / 3][corner % 3] = vertex.len() as u32;
+        }
+        vertex.push(same[0].1);
+    }
+    (wedge, vertex)
 }
 
 /// Points whose triangles are not one fan, open or closed.
@@ -123,6 +170,7 @@ impl Split {
     fn of(
         mesh: &TriMesh,
         ids: &PositionIds,
+        class: &Classes,
         triangle: &[[u32; 3]],
         source: &[u32],
         odd: &[bool],
@@ -133,7 +181,7 @@ impl Split {
             .collect();
         let candidates: Vec<u32> = places.iter().map(|&i| source[i as usize]).collect();
         let range_of = mesh.range_of_triangles();
-        let kept = wedges::distinct_by_position(mesh, ids, &candidates, &range_of);
+        let kept = wedges::distinct_triangles(mesh, ids, &candidates, class, &range_of);
         let (fans, position_of) = sheets::points(mesh, ids, &kept, &range_of);
         let mut split = Self {
             moved: Vec::new(),
@@ -207,8 +255,7 @@ mod tests {
 
     #[test]
     fn zoo_is_taken_apart_as_by_the_exact_driver() {
-        for (name, mut mesh) in shapes::zoo() {
-            mesh.attributes = Default::default();
+        for (name, mesh) in shapes::zoo() {
             let quick = points(&mesh);
             let slow = wedges::prepare(&mesh);
             let slow = (slow.source_triangle, slow.surface.position.len());

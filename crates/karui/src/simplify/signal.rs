@@ -16,7 +16,9 @@ use glam::{DVec2, DVec3};
 pub(crate) struct Signal {
     /// Numbers a wedge.
     pub width: usize,
-    values: Vec<f32>,
+    pub values: Vec<f32>,
+    /// Where in a wedge's numbers its UV sets are.
+    pub uvs: Vec<usize>,
     skin_scale: f64,
 }
 
@@ -55,6 +57,11 @@ impl Signal {
             columns.push((scale, Column::four(move |v| set[v].to_array())));
         }
         columns.retain(|(scale, _)| *scale > 0.0 && scale.is_finite());
+        let starts = columns.iter().scan(0, |at, (_, c)| {
+            *at += c.width;
+            Some((*at - c.width, c.width))
+        });
+        let uvs = starts.filter(|s| s.1 == 2).map(|s| s.0).collect();
         let skinned = if attributes.skins.is_empty() {
             0.0
         } else {
@@ -63,8 +70,40 @@ impl Signal {
         Self {
             width: columns.iter().map(|(_, c)| c.width).sum(),
             values: pack(&columns, source_vertex),
+            uvs,
             skin_scale: skinned * weights.skin * COLOR * diagonal,
         }
+    }
+
+    /// Adds the skin weights to the numbers of every wedge: four sums with
+    /// signs that depend on the joint, whose squared differences are those of
+    /// the weights in the mean (Johnson & Lindenstrauss 1984).
+    pub fn add_skins(&mut self, attributes: &Attributes, source_vertex: &[u32]) {
+        if self.skin_scale == 0.0 {
+            return;
+        }
+        let width = self.width + 4;
+        let mut values = Vec::with_capacity(source_vertex.len() * width);
+        for (wedge, &v) in source_vertex.iter().enumerate() {
+            let at = wedge * self.width;
+            values.extend_from_slice(&self.values[at..at + self.width]);
+            let mut sums = [0.0f32; 4];
+            for skin in attributes.skins.iter().map(|set| set[v as usize]) {
+                for (&joint, &weight) in skin.joints.iter().zip(&skin.weights) {
+                    let signs = u32::from(joint).wrapping_add(1).wrapping_mul(0x9e37_79b9);
+                    for (i, sum) in sums.iter_mut().enumerate() {
+                        let sign = if signs >> (28 + i) & 1 == 0 {
+                            0.5
+                        } else {
+                            -0.5
+                        };
+                        *sum += sign * weight * self.skin_scale as f32;
+                    }
+                }
+            }
+            values.extend(sums);
+        }
+        (self.width, self.values) = (width, values);
     }
 
     /// Whether there is nothing to compare.

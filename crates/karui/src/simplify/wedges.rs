@@ -34,20 +34,10 @@ pub(crate) enum Normals {
 /// splits points that join several fans. The mesh must be valid.
 pub(crate) fn prepare(mesh: &TriMesh) -> Prepared {
     let ids = PositionIds::of_mesh(mesh);
-    let whole = Classes::of(mesh, &ids, false);
-    let shape = Classes::of(mesh, &ids, true);
-    let normals = match shape.count * 10 < whole.count * 9 {
-        false => Normals::Kept,
-        true if is_flat_shaded(mesh) => Normals::Flat,
-        true => Normals::LookedUp,
-    };
-    let class = if normals == Normals::Kept {
-        whole
-    } else {
-        shape
-    };
+    let (class, normals) = classes(mesh, &ids);
     let range_of = mesh.range_of_triangles();
-    let kept = distinct_triangles(mesh, &ids, &class, &range_of);
+    let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    let kept = distinct_triangles(mesh, &ids, &all, &class, &range_of);
     let (points, position_of) = sheets::points(mesh, &ids, &kept, &range_of);
     let first = ids.first_vertices();
     let place = |&id: &u32| mesh.positions[first[id as usize] as usize].as_dvec3();
@@ -61,9 +51,23 @@ pub(crate) fn prepare(mesh: &TriMesh) -> Prepared {
     }
 }
 
+/// What stands for every vertex, and what becomes of the normals.
+pub(super) fn classes(mesh: &TriMesh, ids: &PositionIds) -> (Classes, Normals) {
+    let whole = Classes::of(mesh, ids, false);
+    if mesh.attributes.normals.is_none() && mesh.attributes.tangents.is_none() {
+        return (whole, Normals::Kept);
+    }
+    let shape = Classes::of(mesh, ids, true);
+    match shape.count * 10 < whole.count * 9 {
+        false => (whole, Normals::Kept),
+        true if is_flat_shaded(mesh) => (shape, Normals::Flat),
+        true => (shape, Normals::LookedUp),
+    }
+}
+
 /// Vertices grouped by position and attributes; the first stands for all.
-struct Classes {
-    of_vertex: Vec<u32>,
+pub(super) struct Classes {
+    pub of_vertex: Vec<u32>,
     count: usize,
 }
 
@@ -151,40 +155,24 @@ fn is_flat_shaded(mesh: &TriMesh) -> bool {
     flat * 20 >= all * 19
 }
 
-/// Triangles with three different positions, each once.
-fn distinct_triangles(
-    mesh: &TriMesh,
-    ids: &PositionIds,
-    class: &Classes,
-    range_of: &[u32],
-) -> Vec<u32> {
-    let mut keyed: Vec<([u32; 3], u32, u32)> = Vec::with_capacity(mesh.triangles.len());
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = triangle.map(|v| ids.of_vertex[v as usize]);
-        if a != b && b != c && c != a {
-            let wedges = triangle.map(|v| class.of_vertex[v as usize]);
-            keyed.push((least_first(wedges), range_of[t], t as u32));
-        }
-    }
-    keyed.sort_unstable();
-    keyed.dedup_by_key(|k| (k.0, k.1));
-    let mut kept: Vec<u32> = keyed.into_iter().map(|k| k.2).collect();
-    kept.sort_unstable();
-    kept
-}
-
-/// Those of the triangles `candidates` that lie on no other of them.
-pub(crate) fn distinct_by_position(
+/// Those of the triangles `candidates` that have three different positions,
+/// each once.
+pub(super) fn distinct_triangles(
     mesh: &TriMesh,
     ids: &PositionIds,
     candidates: &[u32],
+    class: &Classes,
     range_of: &[u32],
 ) -> Vec<u32> {
-    let key = |&t: &u32| {
-        let points = mesh.triangles[t as usize].map(|v| ids.of_vertex[v as usize]);
-        (least_first(points), range_of[t as usize], t)
-    };
-    let mut keyed: Vec<([u32; 3], u32, u32)> = candidates.iter().map(key).collect();
+    let mut keyed: Vec<([u32; 3], u32, u32)> = Vec::with_capacity(candidates.len());
+    for &t in candidates {
+        let triangle = mesh.triangles[t as usize];
+        let [a, b, c] = triangle.map(|v| ids.of_vertex[v as usize]);
+        if a != b && b != c && c != a {
+            let wedges = triangle.map(|v| class.of_vertex[v as usize]);
+            keyed.push((least_first(wedges), range_of[t as usize], t));
+        }
+    }
     keyed.sort_unstable();
     keyed.dedup_by_key(|k| (k.0, k.1));
     let mut kept: Vec<u32> = keyed.into_iter().map(|k| k.2).collect();

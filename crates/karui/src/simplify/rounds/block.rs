@@ -3,11 +3,11 @@
 
 use super::level::Level;
 use super::partition::Cut;
+use super::paint::Paint;
 use super::planes::Planes;
 use super::star::Star;
 use super::sym3::Sym3;
 use glam::{Vec3, Vec4};
-use smallvec::SmallVec;
 
 /// First corner of a triangle that is gone.
 pub(super) const DEAD: u32 = u32::MAX;
@@ -21,6 +21,8 @@ pub(super) enum Kind {
     Interior,
     /// Along the border, or along edges of more than two triangles.
     Line,
+    /// Along a seam of attributes or materials.
+    Seam,
     /// Nowhere, though neighbours may vanish into it: lines end or cross here.
     Fixed,
     /// Nowhere, by the caller's wish.
@@ -83,6 +85,8 @@ pub(super) struct Block {
     pub memory: Vec<Planes>,
     /// Empty if all are 1.
     pub weight: Vec<f32>,
+    /// None if there are neither attributes nor materials.
+    pub paint: Option<Box<Paint>>,
     /// Scratch set of points, by stamp.
     pub mark: Vec<u32>,
     pub stamp: u32,
@@ -147,6 +151,7 @@ impl Block {
             position: global.iter().map(|p| level.position[of(p)]).collect(),
             kind: global.iter().map(kind).collect(),
             weight: level.weights_of(&global),
+            paint: level.paint_of(&origin, points),
             root: Vec::with_capacity(triangle.len()),
             star: vec![Star::default(); points],
             span: vec![Span::default(); points],
@@ -177,8 +182,23 @@ impl Block {
             star.set_place(place);
         }
         block.remember(level);
-        block.classify();
+        block.classify(level.is_input());
+        block.paint_all();
         block
+    }
+
+    fn paint_all(&mut self) {
+        let Some(mut paint) = self.paint.take() else {
+            return;
+        };
+        for t in 0..self.triangle.len() {
+            let wedges = paint.wedge[t];
+            paint.add(wedges, self.corners(t as u32), [true; 3], 1.0);
+        }
+        self.paint = Some(paint);
+        for p in 0..self.global.len() as u32 {
+            self.vary(p);
+        }
     }
 
     fn link(&mut self) {
@@ -216,68 +236,23 @@ impl Block {
     /// What the points stand for: of a level that has simplified already, its
     /// own points bring it along; those shared leave it with the level.
     fn remember(&mut self, level: &Level) {
+        if level.is_input() {
+            for (points, &root) in self.triangle.iter().zip(&self.root) {
+                let planes = Planes::of(root, 1.0 / 3.0);
+                for &p in points {
+                    self.memory[p as usize] = self.memory[p as usize].plus(&planes);
+                }
+            }
+            self.facing = self.star.iter().map(Star::normal).collect();
+            return;
+        }
         for p in 0..self.global.len() {
-            if level.is_input() {
-                self.facing[p] = self.star[p].normal();
-                self.memory[p] = Planes::through(self.star[p].planes(), 1.0 / 3.0);
-            } else if self.kind[p] != Kind::Shared {
+            if self.kind[p] != Kind::Shared {
                 let from = self.global[p] as usize;
                 self.facing[p] = level.facing[from];
                 self.memory[p] = level.memory[from];
             }
         }
-    }
-
-    /// Finds borders and edges of more than two triangles, along which the
-    /// surface may be simplified but not across.
-    fn classify(&mut self) {
-        let mut lines = Vec::new();
-        for p in 0..self.global.len() as u32 {
-            if self.kind[p as usize] == Kind::Shared || self.is_surrounded(p) {
-                continue;
-            }
-            let ring = self.ring(p);
-            let features: SmallVec<[&Neighbour; 4]> =
-                ring.iter().filter(|n| n.triangles != 2).collect();
-            let is_border = |n: &&Neighbour| n.triangles == 1;
-            let locked = self.rules.lock_borders && features.iter().any(is_border);
-            let kind = match features[..] {
-                _ if locked => Kind::Locked,
-                [] => Kind::Interior,
-                [a, b] if a.triangles == b.triangles => Kind::Line,
-                _ => Kind::Fixed,
-            };
-            self.kind[p as usize] = kind.max(self.kind[p as usize]);
-            let held = features.iter().filter(|n| self.holds(n.triangles));
-            lines.extend(held.map(|n| (p, n.point)));
-        }
-        for (p, n) in lines {
-            let line = self.line(p, n);
-            self.star[p as usize] += Star::of_line(line);
-        }
-    }
-
-    /// Whether an edge of so many triangles is held in place by its line.
-    pub fn holds(&self, triangles: u32) -> bool {
-        triangles > 2 || (triangles == 1 && self.rules.hold_borders)
-    }
-
-    /// Whether every edge at `p` has one triangle on either side, which is so
-    /// nearly everywhere and quickly seen.
-    fn is_surrounded(&mut self, p: u32) -> bool {
-        self.stamp += 1;
-        let Span { start, len } = self.span[p as usize];
-        let triangles = &self.list[start as usize..(start + len) as usize];
-        let sides = |t: &u32| turned(self.triangle[*t as usize], p);
-        let mut once = true;
-        for [_, next, _] in triangles.iter().map(sides) {
-            once &= self.mark[next as usize] != self.stamp;
-            self.mark[next as usize] = self.stamp;
-        }
-        once && triangles
-            .iter()
-            .map(sides)
-            .all(|[_, _, last]| self.mark[last as usize] == self.stamp)
     }
 
     /// The line of the border from `p` to `n`.
@@ -292,36 +267,4 @@ impl Block {
         let Span { start, len } = self.span[p as usize];
         &self.list[start as usize..(start + len) as usize]
     }
-
-    /// Number of triangles with both points.
-    pub fn shared_triangles(&self, a: u32, b: u32) -> usize {
-        let has_b = |&&t: &&u32| self.triangle[t as usize].contains(&b);
-        self.triangles_at(a).iter().filter(has_b).count()
-    }
-
-    /// Neighbours of `p`.
-    pub fn ring(&self, p: u32) -> SmallVec<[Neighbour; 12]> {
-        let mut ring = SmallVec::<[Neighbour; 12]>::new();
-        let mut count = |point| match ring.iter_mut().find(|n| n.point == point) {
-            Some(known) => known.triangles += 1,
-            None => ring.push(Neighbour {
-                point,
-                triangles: 1,
-            }),
-        };
-        for &t in self.triangles_at(p) {
-            let [_, q, r] = turned(self.triangle[t as usize], p);
-            count(q);
-            count(r);
-        }
-        ring
-    }
-}
-
-/// A neighbour of a point.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Neighbour {
-    pub point: u32,
-    /// Triangles of the edge.
-    pub triangles: u32,
 }

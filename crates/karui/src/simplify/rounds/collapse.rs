@@ -3,6 +3,7 @@
 use super::block::{Block, DEAD, Kind, Side, Span, root_of, turned};
 use super::planes::Planes;
 use super::price::Offer;
+use super::repaint::Repaint;
 use super::repair::Guard;
 use super::star::Star;
 use super::sym3::Sym3;
@@ -26,13 +27,14 @@ impl Block {
         if guard.is_some_and(|guard| self.turns_against(offer, guard)) {
             return Err(Refusal::Flips);
         }
+        let repaint = self.plan(offer)?;
         let memory = self.memory_at(offer);
         let error = memory.distance();
         if error > self.rules.max_error {
             return Err(Refusal::Error);
         }
         self.error = self.error.max(error);
-        self.collapse(offer, memory);
+        self.collapse(offer, memory, &repaint);
         Ok(())
     }
 
@@ -120,7 +122,7 @@ impl Block {
             let corners = [ends[usize::from(i >= self.first)], offer.place];
             let length = cross.length();
             let normal = cross.extend(length);
-            if !self.keeps_its_side(side.t, normal, ring, corners, facing) {
+            if !self.keeps_its_side(side, normal, ring, corners, facing) {
                 return Err(Refusal::Flips);
             }
             self.turned.push((i as u32, root_of(cross, length)));
@@ -137,20 +139,20 @@ impl Block {
         })
     }
 
-    /// Whether triangle `t`, between the two points of `ring` and a point that
+    /// Whether a triangle, between the two points of `ring` and a point that
     /// goes from `corners[0]` to `corners[1]`, stays as it is turned; `normal`
     /// is its doubled area normal then, and its length; `facing` the input's
     /// normal.
     #[inline(always)]
     fn keeps_its_side(
         &self,
-        t: u32,
+        side: &Side,
         normal: Vec4,
         ring: [Vec3; 2],
         corners: [Vec3; 2],
         facing: Vec3,
     ) -> bool {
-        let root = self.root[t as usize];
+        let root = self.root[side.t as usize];
         let (cross, length) = (normal.truncate(), normal.w);
         let (root, root_length) = (root.truncate(), root.w);
         if cross.dot(root) < self.rules.least_turn * length * root_length {
@@ -164,14 +166,20 @@ impl Block {
                 return false;
             }
         }
+        if cross.dot(facing) >= FACING * length {
+            return true;
+        }
+        // The new point may have come around an edge: all three are asked.
+        let unit = |p: u32| self.facing[p as usize].normalize_or_zero();
+        let facing = facing + unit(side.q) + unit(side.r);
         let outward = cross.dot(facing);
         // What opposes the input already may stay so but must not grow.
-        outward >= FACING * length
+        outward >= FACING * facing.length() * length
             || (length <= doubled_area && outward * root_length >= root.dot(facing) * length)
     }
 
     /// Joins the offer's points; `turned` holds the triangles that stay.
-    fn collapse(&mut self, offer: &Offer, memory: Planes) {
+    fn collapse(&mut self, offer: &Offer, memory: Planes, repaint: &Repaint) {
         let (a, b) = (offer.kept, offer.removed);
         let lines = [a, b]
             .iter()
@@ -180,11 +188,14 @@ impl Block {
             self.change_lines(a, -1.0);
             self.change_lines(b, -1.0);
         }
+        let wedges = self.wedges_of_fan(offer);
+        self.strip(a, b);
         self.leave_stars(a, b);
         self.remove_triangles(b);
         self.memory[a as usize] = memory;
         self.move_points(offer);
         self.take_triangles(a, b);
+        self.coat(a, repaint, &wedges);
         if lines {
             self.change_lines(a, 1.0);
         }
@@ -254,6 +265,9 @@ impl Block {
         }
         star.set_place(self.position[a as usize]);
         self.star[a as usize] = star;
+        if let Some(paint) = &mut self.paint {
+            paint.varies[a as usize] = Sym3::default();
+        }
         self.span[a as usize] = place;
         self.span[b as usize].len = 0;
     }
@@ -279,15 +293,11 @@ impl Block {
         if self.kind[p as usize] == Kind::Interior || self.kind[p as usize] == Kind::Gone {
             return;
         }
-        let ring = self.ring(p);
-        for n in &ring {
-            if !self.holds(n.triangles) {
-                continue;
-            }
-            let line = self.line(p, n.point).0.map(|v| v * sign);
+        for n in self.held(p) {
+            let line = self.line(p, n).0.map(|v| v * sign);
             let line = Star::of_line(Sym3(line));
-            self.star[n.point as usize] += line;
-            self.changed[n.point as usize] = self.round;
+            self.star[n as usize] += line;
+            self.changed[n as usize] = self.round;
             if sign > 0.0 {
                 self.star[p as usize] += line;
             }

@@ -1,6 +1,7 @@
 //! The whole surface between two cuts into blocks.
 
 use super::block::{Block, DEAD, Kind};
+use super::paint::{Blend, Paint, Values};
 use super::planes::Planes;
 use glam::Vec3;
 
@@ -21,6 +22,15 @@ pub(crate) struct Level {
     pub weight: Vec<f32>,
     /// Empty if none is.
     pub locked: Vec<bool>,
+    /// Wedges of every triangle; their ids stay the same throughout. Empty if
+    /// there are neither attributes nor materials.
+    pub wedge: Vec<[u32; 3]>,
+    /// Material range of every triangle, as `wedge`.
+    pub range: Vec<u32>,
+    /// Attributes of all wedges.
+    pub values: Values,
+    /// Wedges that have become mixtures, in this order.
+    pub log: Vec<Blend>,
 }
 
 impl Level {
@@ -42,20 +52,53 @@ impl Level {
         points.iter().map(|&p| self.weight[p as usize]).collect()
     }
 
+    /// Wedges of these triangles; none if there are no wedges.
+    pub(super) fn paint_of(&self, triangles: &[u32], points: usize) -> Option<Box<Paint>> {
+        if self.wedge.is_empty() {
+            return None;
+        }
+        let wedge = triangles.iter().map(|&t| self.wedge[t as usize]).collect();
+        let range = triangles.iter().map(|&t| self.range[t as usize]).collect();
+        Some(Box::new(Paint::new(&self.values, wedge, range, points)))
+    }
+
     /// Puts the blocks back together: their points and triangles, in order.
-    pub(super) fn join(&self, blocks: &[Block]) -> Self {
-        let mut next = Self::default();
+    pub(super) fn join(mut self, blocks: &[Block]) -> Self {
+        let mut next = Self {
+            values: std::mem::take(&mut self.values),
+            log: std::mem::take(&mut self.log),
+            ..Self::default()
+        };
         let mut shared = vec![DEAD; self.position.len()];
         for block in blocks {
-            let local = next.take_points(self, block, &mut shared);
+            let local = next.take_points(&self, block, &mut shared);
             for (t, points) in block.triangle.iter().enumerate() {
                 if points[0] != DEAD {
                     next.triangle.push(points.map(|p| local[p as usize]));
                     next.source.push(self.source[block.origin[t] as usize]);
                 }
             }
+            if let Some(paint) = &block.paint {
+                next.take_paint(block, paint);
+            }
         }
         next
+    }
+
+    fn take_paint(&mut self, block: &Block, paint: &Paint) {
+        for (t, wedges) in paint.wedge.iter().enumerate() {
+            if block.triangle[t][0] != DEAD {
+                self.wedge.push(wedges.map(|w| paint.global[w as usize]));
+                self.range.push(paint.range[t]);
+            }
+        }
+        // Wedges that several blocks share have not changed in any.
+        for blend in &paint.log {
+            let local = paint.global.partition_point(|&w| w < blend.wedge);
+            let at = blend.wedge as usize * paint.width;
+            self.values.value[at..at + paint.width].copy_from_slice(paint.of(local as u32));
+        }
+        self.log.extend(&paint.log);
     }
 
     /// Adds the block's points and returns their new ids.

@@ -9,11 +9,14 @@
 
 mod block;
 mod collapse;
+mod feature;
 mod lanes;
 mod level;
+mod paint;
 mod partition;
 mod planes;
 mod price;
+mod repaint;
 mod repair;
 mod round;
 mod star;
@@ -21,6 +24,7 @@ mod sym3;
 
 pub(crate) use block::Rules;
 pub(crate) use level::Level;
+pub(crate) use paint::Values;
 pub(crate) use repair::{Guard, repair};
 
 use super::exact::Target;

@@ -5,7 +5,8 @@
 //! it is now, here weighted by area. All planes around a point pass through
 //! it, so that its quadric, seen from it, is a matrix alone.
 
-use super::block::{Block, Kind};
+use super::block::Block;
+use super::feature::Ends;
 use glam::Vec3;
 
 /// Pull towards the middle of the edge where the planes leave a direction
@@ -29,14 +30,6 @@ pub(super) struct Offer {
     pub cost: f32,
 }
 
-/// Which end may vanish.
-enum Ends {
-    Either,
-    Second,
-    First,
-    None,
-}
-
 impl Block {
     /// The price of joining `a` and `b`; none if neither may vanish.
     #[inline]
@@ -52,25 +45,6 @@ impl Block {
             Ends::None => return None,
         };
         Some(self.weighted(offer))
-    }
-
-    #[inline(always)]
-    fn ends(&self, a: u32, b: u32) -> Ends {
-        use Kind::{Interior, Line};
-        match (self.kind[a as usize], self.kind[b as usize]) {
-            (Interior, Interior) => Ends::Either,
-            (_, Interior) => Ends::Second,
-            (Interior, _) => Ends::First,
-            (Line, Line) if self.is_feature(a, b) => Ends::Either,
-            (_, Line) if self.is_feature(a, b) => Ends::Second,
-            (Line, _) if self.is_feature(a, b) => Ends::First,
-            _ => Ends::None,
-        }
-    }
-
-    /// Whether an edge is one of those along which points of a line may go.
-    pub fn is_feature(&self, a: u32, b: u32) -> bool {
-        self.shared_triangles(a, b) != 2
     }
 
     /// Both may move: the place that minimises the sum of both quadrics, the

@@ -147,7 +147,7 @@ impl Block {
         let may_be_border = |p: u32| {
             self.kind[p as usize] != Kind::Interior && self.kind[p as usize] != Kind::Shared
         };
-        p < q || (may_be_border(p) && may_be_border(q) && self.is_feature(p, q))
+        p < q || (may_be_border(p) && may_be_border(q) && self.shared_triangles(p, q) != 2)
     }
 
     fn price_of(&mut self, p: u32, q: u32) -> f32 {
@@ -155,7 +155,9 @@ impl Block {
             Some(offer) => payable(offer.cost),
             None => {
                 let kinds = [p, q].map(|p| self.kind[p as usize]);
-                if kinds.contains(&Kind::Locked) {
+                if kinds.contains(&Kind::Seam) {
+                    self.refused.count(Refusal::Seams);
+                } else if kinds.contains(&Kind::Locked) {
                     self.refused.count(Refusal::Locked);
                 } else if !kinds.contains(&Kind::Shared) {
                     self.refused.count(Refusal::Topology);
