@@ -142,9 +142,8 @@ impl Stop {
     }
 }
 
-/// How much time to spend for how small an error. Meshes with attributes or
-/// several materials, [`Cost::Accumulated`] and vertex pairs are for now
-/// simplified as by [`Quality::Exact`], whatever is asked for.
+/// How much time to spend for how small an error. [`Cost::Accumulated`] and
+/// vertex pairs are only had as by [`Quality::Exact`], whatever is asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Quality {
     /// Few rounds of many collapses, no look back at the input: fastest. A few

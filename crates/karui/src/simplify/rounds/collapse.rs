@@ -111,7 +111,14 @@ impl Block {
     fn check_turns(&mut self, offer: &Offer) -> Result<(), Refusal> {
         let ends = [offer.kept, offer.removed].map(|p| self.position[p as usize]);
         let facing = self.facing[offer.kept as usize] + self.facing[offer.removed as usize];
-        let facing = facing.normalize_or_zero();
+        // At the end of a seam or border several sides of a part may meet, and
+        // their mean says nothing: zero asks nothing.
+        let smooth = self.kind[offer.kept as usize] == Kind::Interior;
+        let facing = if smooth {
+            facing.normalize_or_zero()
+        } else {
+            Vec3::ZERO
+        };
         self.turned.clear();
         for (i, side) in self.fan.iter().enumerate() {
             if side.edge {
@@ -166,7 +173,7 @@ impl Block {
                 return false;
             }
         }
-        if cross.dot(facing) >= FACING * length {
+        if facing == Vec3::ZERO || cross.dot(facing) >= FACING * length {
             return true;
         }
         // The new point may have come around an edge: all three are asked.

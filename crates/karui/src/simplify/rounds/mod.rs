@@ -177,10 +177,7 @@ impl Run<'_> {
         let guard = self.guard.filter(|_| alive <= GUARDED);
         // A round that moves nothing is tried again with dearer edges.
         let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
-        while wish < 4 * edges.max(1) {
-            let Some(bin) = quantile(&counts, wish) else {
-                break;
-            };
+        while let Some(bin) = quantile(&counts, wish) {
             let threshold = upper_end(bin);
             if last {
                 self.take_turns(blocks, threshold, alive, guard);
@@ -196,6 +193,9 @@ impl Run<'_> {
             }
             if collapses(blocks) > before {
                 return true;
+            }
+            if wish >= edges {
+                break;
             }
             wish *= 4;
         }
