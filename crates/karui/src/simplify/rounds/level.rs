@@ -64,35 +64,32 @@ impl Level {
 
     /// Puts the blocks back together: their points and triangles, in order.
     pub(super) fn join(mut self, blocks: &[Block]) -> Self {
-        let mut next = Self {
-            values: std::mem::take(&mut self.values),
-            log: std::mem::take(&mut self.log),
-            ..Self::default()
-        };
-        let mut shared = vec![DEAD; self.position.len()];
-        for block in blocks {
-            let local = next.take_points(&self, block, &mut shared);
-            for (t, points) in block.triangle.iter().enumerate() {
-                if points[0] != DEAD {
-                    next.triangle.push(points.map(|p| local[p as usize]));
-                    next.source.push(self.source[block.origin[t] as usize]);
-                }
-            }
-            if let Some(paint) = &block.paint {
-                next.take_paint(block, paint);
-            }
-        }
-        next
+        let mut joint = Joint::of(&self);
+        joint.add(&mut self, blocks);
+        joint.done(self)
     }
 
-    fn take_paint(&mut self, block: &Block, paint: &Paint) {
+    fn take_triangles(&mut self, from: &Self, block: &Block, local: &[u32]) {
+        for (t, points) in block.triangle.iter().enumerate() {
+            if points[0] != DEAD {
+                self.triangle.push(points.map(|p| local[p as usize]));
+                self.source.push(from.source[block.origin[t] as usize]);
+            }
+        }
+    }
+
+    fn take_wedges(&mut self, block: &Block, paint: &Paint) {
         for (t, wedges) in paint.wedge.iter().enumerate() {
             if block.triangle[t][0] != DEAD {
                 self.wedge.push(wedges.map(|w| paint.global[w as usize]));
                 self.range.push(paint.range[t]);
             }
         }
-        // Wedges that several blocks share have not changed in any.
+    }
+
+    /// Changes the values of wedges that have become mixtures. Those that
+    /// several blocks share have not changed in any.
+    fn repaint(&mut self, paint: &Paint) {
         for blend in &paint.log {
             let local = paint.global.partition_point(|&w| w < blend.wedge);
             let at = blend.wedge as usize * paint.width;
@@ -148,6 +145,43 @@ impl Level {
         if let (Some(facing), Some(memory)) = (self.facing.last_mut(), self.memory.last_mut()) {
             *facing += from.facing[global as usize];
             *memory = memory.plus(&from.memory[global as usize]);
+        }
+    }
+}
+
+/// A level while it is put together, block by block.
+pub(super) struct Joint {
+    next: Level,
+    /// New ids of the points that several blocks share.
+    shared: Vec<u32>,
+}
+
+impl Joint {
+    pub fn of(from: &Level) -> Self {
+        Self {
+            next: Level::default(),
+            shared: vec![DEAD; from.position.len()],
+        }
+    }
+
+    /// Adds what is left of these blocks, which come from that level.
+    pub fn add(&mut self, from: &mut Level, blocks: &[Block]) {
+        for block in blocks {
+            let local = self.next.take_points(from, block, &mut self.shared);
+            self.next.take_triangles(from, block, &local);
+            if let Some(paint) = &block.paint {
+                self.next.take_wedges(block, paint);
+                from.repaint(paint);
+            }
+        }
+    }
+
+    /// The new level, after all blocks have been added.
+    pub fn done(self, from: Level) -> Level {
+        Level {
+            values: from.values,
+            log: from.log,
+            ..self.next
         }
     }
 }

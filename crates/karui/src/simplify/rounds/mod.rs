@@ -20,6 +20,7 @@ mod repaint;
 mod repair;
 mod round;
 mod star;
+mod stream;
 mod sym3;
 
 pub(crate) use block::Rules;
@@ -101,9 +102,14 @@ pub(crate) fn run(
             break;
         }
         let before = run.collapses;
-        let mut blocks = Cut::of(&level, phase).into_blocks(&level, rules);
-        run.phase(&mut blocks)?;
-        level = level.join(&blocks);
+        let cut = Cut::of(&level, phase);
+        level = if cut.blocks.len() > stream::FEW && run.halfway(level.triangle.len()).is_some() {
+            run.stream(level, cut, rules)?
+        } else {
+            let mut blocks = cut.into_blocks(&level, rules);
+            run.phase(&mut blocks)?;
+            level.join(&blocks)
+        };
         // Of two cuts one has every point inside a block.
         idle = if run.collapses > before { 0 } else { idle + 1 };
     }
@@ -120,41 +126,52 @@ pub(crate) fn run(
 }
 
 impl Run<'_> {
-    /// Rounds over these blocks until the target is met, the phase's share is
-    /// done or nothing happens any more.
-    fn phase(&mut self, blocks: &mut [Block]) -> Result<()> {
-        let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
-        let start = all(blocks) as f64;
-        // Never the last of two cuts: what lies on it would stay dense.
-        let halfway = (start * self.target.triangles as f64).sqrt();
-        let enough = halfway.max(start * PHASE) as usize;
-        let collapsed = self.collapses;
-        loop {
-            let alive = all(blocks);
-            if alive <= self.target.triangles
-                || (alive <= enough
-                    && blocks.len() > 1
-                    && enough > self.target.triangles + start as usize / 10)
-            {
-                break;
-            }
-            let done = self.start - alive;
-            let span = (self.start - self.target.triangles.min(self.start)).max(1);
-            step(self.progress, "collapse", done as f32 / span as f32)?;
-            let idle = !self.round(blocks, alive);
-            self.collapses = collapsed + blocks.iter().map(|b| b.collapses).sum::<usize>();
-            if idle {
-                break;
-            }
-        }
-        self.error = blocks.iter().fold(self.error, |e, b| e.max(b.error));
-        self.refused = Refused::default();
-        blocks.iter().for_each(|b| self.refused.add(&b.refused));
-        Ok(())
+    /// Triangles at which a phase from so many ends short of the target, if it
+    /// does. Never the last of two cuts: what lies on it would stay dense.
+    fn halfway(&self, start: usize) -> Option<usize> {
+        let middle = (start as f64 * self.target.triangles as f64).sqrt();
+        let enough = middle.max(start as f64 * PHASE) as usize;
+        (enough > self.target.triangles + start / 10).then_some(enough)
     }
 
-    /// One round; whether anything collapsed.
-    fn round(&self, blocks: &mut [Block], alive: usize) -> bool {
+    /// Rounds over these blocks until the target is met, the phase's share is
+    /// done or nothing happens any more. Returns what each round did.
+    fn phase(&mut self, blocks: &mut [Block]) -> Result<Vec<Step>> {
+        let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
+        let enough = self.halfway(all(blocks)).filter(|_| blocks.len() > 1);
+        let least = enough.unwrap_or(0).max(self.target.triangles);
+        let mut steps = Vec::new();
+        loop {
+            let alive = all(blocks);
+            if alive <= least {
+                break;
+            }
+            self.report(alive)?;
+            let Some(round) = self.round(blocks, alive) else {
+                break;
+            };
+            steps.push(round);
+        }
+        self.refused = Refused::default();
+        blocks.iter().for_each(|b| self.count(b));
+        Ok(steps)
+    }
+
+    fn report(&self, alive: usize) -> Result<()> {
+        let done = self.start.saturating_sub(alive);
+        let span = (self.start - self.target.triangles.min(self.start)).max(1);
+        step(self.progress, "collapse", done as f32 / span as f32)
+    }
+
+    /// Counts what a block did.
+    fn count(&mut self, block: &Block) {
+        self.error = self.error.max(block.error);
+        self.collapses += block.collapses;
+        self.refused.add(&block.refused);
+    }
+
+    /// One round; none if nothing collapsed.
+    fn round(&self, blocks: &mut [Block], alive: usize) -> Option<Step> {
         let bins: Vec<Vec<u32>> = blocks
             .par_iter_mut()
             .map(|block| {
@@ -179,27 +196,25 @@ impl Run<'_> {
         let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
         while let Some(bin) = quantile(&counts, wish) {
             let threshold = upper_end(bin);
+            let under = |counts: &[usize]| counts[..=bin].iter().sum::<usize>();
+            let most = wish.min(excess / 2).max(1);
+            let share = (most as f64 / under(&counts).max(1) as f64).min(1.0);
+            let step = Step { bin, share };
             if last {
                 self.take_turns(blocks, threshold, alive, guard);
             } else {
-                let under = |counts: &[usize]| counts[..=bin].iter().sum::<usize>();
-                let most = wish.min(excess / 2).max(1);
-                let share = (most as f64 / under(&counts).max(1) as f64).min(1.0);
-                blocks.par_iter_mut().zip(&bins).for_each(|(block, bins)| {
-                    let own: u32 = bins[..=bin].iter().sum();
-                    let most = (f64::from(own) * share).ceil() as usize;
-                    block.collapse_under(threshold, most, guard);
-                });
+                let both = blocks.par_iter_mut().zip(&bins);
+                both.for_each(|(block, bins)| step.take(block, bins, guard));
             }
             if collapses(blocks) > before {
-                return true;
+                return Some(step);
             }
             if wish >= edges {
                 break;
             }
             wish *= 4;
         }
-        false
+        None
     }
 
     /// Collapses the cheapest edges of all blocks one after another, to end on
@@ -237,6 +252,23 @@ impl Run<'_> {
         } else {
             b.reason()
         }
+    }
+}
+
+/// What a round did in every block.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// Bin of prices up to which edges might collapse.
+    bin: usize,
+    /// How many of those did at most, as a share.
+    share: f64,
+}
+
+impl Step {
+    fn take(self, block: &mut Block, bins: &[u32], guard: Option<Guard<'_>>) {
+        let own: u32 = bins[..=self.bin].iter().sum();
+        let most = (f64::from(own) * self.share).ceil() as usize;
+        block.collapse_under(upper_end(self.bin), most, guard);
     }
 }
 
