@@ -10,6 +10,7 @@ use super::{blend::blend, exact::Target, target};
 use crate::error::Result;
 use crate::mesh::{Attributes, TriMesh};
 use crate::spatial::Bvh;
+use rayon::prelude::*;
 
 /// As [`super::simplify_chain`], in rounds; none if the options or the mesh
 /// ask for what only the exact driver does.
@@ -107,20 +108,23 @@ fn scale_of(mesh: &TriMesh) -> f32 {
     }
 }
 
-fn level_of(
-    mesh: &TriMesh,
+fn level_of<'a>(
+    mesh: &'a TriMesh,
     options: &SimplifyOptions<'_>,
-    points: &mut Points,
+    points: &mut Points<'a>,
     scale: f32,
-) -> Level {
-    let of = |v: &u32| *v as usize;
-    let weight = |w: &[f32]| points.vertex.iter().map(|v| w[of(v)]).collect();
-    let lock = |l: &[bool]| points.vertex.iter().map(|v| l[of(v)]).collect();
-    let place = |v: &u32| mesh.positions[of(v)] * scale;
+) -> Level<'a> {
     let mut level = Level {
-        position: points.vertex.iter().map(place).collect(),
-        weight: options.weights.map(weight).unwrap_or_default(),
-        locked: options.locks.map(lock).unwrap_or_default(),
+        position: points.gathered(&mesh.positions),
+        scale,
+        weight: options
+            .weights
+            .map(|w| points.gathered(w).into_owned())
+            .unwrap_or_default(),
+        locked: options
+            .locks
+            .map(|l| points.gathered(l).into_owned())
+            .unwrap_or_default(),
         triangle: std::mem::take(&mut points.triangle),
         source: std::mem::take(&mut points.source),
         ..Level::default()
@@ -171,9 +175,9 @@ fn output(
     }
     let left: Vec<Left> = (0..level.triangle.len())
         .map(|t| Left {
-            source: level.source[t],
+            source: level.source_of(t as u32),
             wedges: level.wedge[t],
-            places: level.triangle[t].map(|p| level.position[p as usize] / scale),
+            places: level.triangle[t].map(|p| level.place(p) / scale),
         })
         .collect();
     let wedges = points.wedge_vertex.len();
@@ -187,28 +191,20 @@ fn output(
 }
 
 fn bare_output(source: &TriMesh, level: &Level, points: &Points, scale: f32) -> TriMesh {
-    let mut order: Vec<u32> = (0..level.triangle.len() as u32).collect();
-    order.sort_unstable_by_key(|&t| level.source[t as usize]);
-    let from = |&p: &u32| {
-        let origin = level.origin.get(p as usize).copied().unwrap_or(p);
-        (points.vertex[origin as usize], origin)
-    };
-    let mut kept: Vec<u32> = (0..level.position.len() as u32).collect();
-    kept.sort_unstable_by_key(from);
+    let order = sorted(level.triangle.len(), |t| level.source_of(t));
+    let from = |p: u32| points.vertex_of(level.origin.get(p as usize).copied().unwrap_or(p));
+    let kept = sorted(level.position.len(), from);
     let mut index = vec![0; kept.len()];
     for (i, &p) in kept.iter().enumerate() {
         index[p as usize] = i as u32;
     }
     let triangle = |&t: &u32| level.triangle[t as usize].map(|p| index[p as usize]);
     let mut mesh = TriMesh {
-        positions: kept
-            .iter()
-            .map(|&p| level.position[p as usize] / scale)
-            .collect(),
-        triangles: order.iter().map(triangle).collect(),
+        positions: kept.par_iter().map(|&p| level.place(p) / scale).collect(),
+        triangles: order.par_iter().map(triangle).collect(),
         ..TriMesh::default()
     };
-    let kept: Vec<u32> = order.iter().map(|&t| level.source[t as usize]).collect();
+    let kept: Vec<u32> = order.iter().map(|&t| level.source_of(t)).collect();
     let face_attributes = source.face_attributes.iter();
     mesh.face_attributes = face_attributes.map(|a| a.gathered(&kept)).collect();
     mesh.ranges = source.ranges.clone();
@@ -217,4 +213,12 @@ fn bare_output(source: &TriMesh, level: &Level, points: &Points, scale: f32) -> 
     }
     mesh.remove_unreferenced_vertices();
     mesh
+}
+
+/// The numbers under `count` by their keys, equals in order.
+fn sorted(count: usize, key: impl Fn(u32) -> u32 + Sync) -> Vec<u32> {
+    let keyed = |i: u32| u64::from(key(i)) << 32 | u64::from(i);
+    let mut keys: Vec<u64> = (0..count as u32).into_par_iter().map(keyed).collect();
+    keys.par_sort_unstable();
+    keys.into_iter().map(|k| k as u32).collect()
 }

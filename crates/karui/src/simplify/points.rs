@@ -7,18 +7,19 @@ use super::wedges::{self, Classes, Normals};
 use crate::mesh::{Attributes, PositionIds, TriMesh};
 use rayon::prelude::*;
 use smallvec::SmallVec;
+use std::borrow::Cow;
 
 /// Points looked at by one task.
 const TASK: usize = 4096;
 
 /// A mesh over points.
-pub(super) struct Points {
+pub(super) struct Points<'a> {
     /// Points of every triangle that is kept.
-    pub triangle: Vec<[u32; 3]>,
-    /// Triangle of the mesh that each of them is.
+    pub triangle: Cow<'a, [[u32; 3]]>,
+    /// Triangle of the mesh that each of them is; empty if all are kept.
     pub source: Vec<u32>,
-    /// A vertex at every point.
-    pub vertex: Vec<u32>,
+    /// A vertex at every point; empty if every vertex is a point.
+    vertex: Vec<u32>,
     /// Wedges of every triangle; empty if there are neither attributes nor
     /// materials.
     pub wedge: Vec<[u32; 3]>,
@@ -29,33 +30,86 @@ pub(super) struct Points {
     pub normals: Normals,
 }
 
+impl Points<'_> {
+    /// A vertex at the point.
+    pub fn vertex_of(&self, p: u32) -> u32 {
+        self.vertex.get(p as usize).copied().unwrap_or(p)
+    }
+
+    /// Of values by vertex those of the points.
+    pub fn gathered<'a, T: Copy + Sync + Send>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        if self.vertex.is_empty() {
+            return values.into();
+        }
+        let vertices = self.vertex.par_iter();
+        let gathered: Vec<T> = vertices.map(|&v| values[v as usize]).collect();
+        gathered.into()
+    }
+}
+
 /// Links equal positions, leaves out triangles without three of them and
 /// duplicates, and splits points where several fans meet. The mesh must be
-/// valid.
-pub(super) fn points(mesh: &TriMesh) -> Points {
+/// valid. One that is as it should be is not copied.
+pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
     let ids = PositionIds::of_mesh(mesh);
-    let linked = |t: usize| mesh.triangles[t].map(|v| ids.of_vertex[v as usize]);
-    let is_whole = |&t: &u32| {
-        let [a, b, c] = linked(t as usize);
-        a != b && b != c && c != a
-    };
+    let linked = |t: &[u32; 3]| t.map(|v| ids.of_vertex[v as usize]);
+    let is_whole = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
+    let keeps_vertices = ids.count == mesh.positions.len();
+    let triangles = mesh.triangles.par_iter().with_min_len(TASK);
+    let keeps_triangles = triangles.all(|t| is_whole(linked(t)));
     let all = 0..mesh.triangles.len() as u32;
-    let mut source: Vec<u32> = all.filter(is_whole).collect();
-    let mut triangle: Vec<[u32; 3]> = source.iter().map(|&t| linked(t as usize)).collect();
-    let mut vertex = ids.first_vertices();
-    let (class, normals) = wedges::classes(mesh, &ids);
+    let source: Vec<u32> = match keeps_triangles {
+        true => Vec::new(),
+        false => all
+            .clone()
+            .filter(|&t| is_whole(linked(&mesh.triangles[t as usize])))
+            .collect(),
+    };
+    let triangle: Cow<'_, [[u32; 3]]> = match (keeps_vertices, keeps_triangles) {
+        (true, true) => Cow::Borrowed(&mesh.triangles),
+        (_, true) => ids.triangles(&mesh.triangles).into(),
+        (_, false) => {
+            let kept = source
+                .par_iter()
+                .map(|&t| linked(&mesh.triangles[t as usize]));
+            Cow::Owned(kept.collect())
+        }
+    };
     let odd = odd_points(&triangle, ids.count);
-    if odd.contains(&true) {
+    let is_bare = mesh.attributes == Attributes::default() && mesh.ranges.len() <= 1;
+    let vertex = match keeps_vertices {
+        true => Vec::new(),
+        false => ids.first_vertices(),
+    };
+    let points = Points {
+        triangle,
+        source,
+        vertex,
+        wedge: Vec::new(),
+        wedge_vertex: Vec::new(),
+        normals: Normals::Kept,
+    };
+    let has_odd = odd.contains(&true);
+    if is_bare && !has_odd {
+        return points;
+    }
+    let (class, normals) = wedges::classes(mesh, &ids);
+    let mut triangle = points.triangle.into_owned();
+    let mut source = match keeps_triangles {
+        true => all.collect(),
+        false => points.source,
+    };
+    let mut vertex = ids.first_vertices();
+    if has_odd {
         let split = Split::of(mesh, &ids, &class, &triangle, &source, &odd);
         split.apply(&mut triangle, &mut source, &mut vertex);
     }
-    let is_bare = mesh.attributes == Attributes::default() && mesh.ranges.len() <= 1;
     let (wedge, wedge_vertex) = match is_bare {
         true => Default::default(),
         false => wedges_of(mesh, &class, &triangle, &source, ids.count),
     };
     Points {
-        triangle,
+        triangle: triangle.into(),
         source,
         vertex,
         wedge,
@@ -96,64 +150,61 @@ fn wedges_of(
 
 /// Points whose triangles are not one fan, open or closed.
 fn odd_points(triangles: &[[u32; 3]], points: usize) -> Vec<bool> {
-    let mut start = vec![0u32; points + 1];
-    for &p in triangles.iter().flatten() {
-        start[p as usize] += 1;
+    // The triangles at a point are a chain: its last one, and of every corner
+    // of a triangle the one before.
+    const NONE: u32 = u32::MAX;
+    let mut last = vec![NONE; points];
+    let mut before = Vec::with_capacity(triangles.len());
+    for (t, triangle) in triangles.iter().enumerate() {
+        let exchange = |p: u32| std::mem::replace(&mut last[p as usize], t as u32);
+        before.push(triangle.map(exchange));
     }
-    let mut sum = 0;
-    for s in &mut start {
-        sum += *s;
-        *s = sum;
-    }
-    // Filled from behind, every start ends where its own list begins.
-    let mut list = vec![0u32; sum as usize];
-    for (t, triangle) in triangles.iter().enumerate().rev() {
-        for &p in triangle {
-            start[p as usize] -= 1;
-            list[start[p as usize] as usize] = t as u32;
+    let is_odd = |p: usize| {
+        let mut sides = SmallVec::<[(u32, u32); 12]>::new();
+        let mut t = last[p];
+        while t != NONE {
+            let [a, b, c] = triangles[t as usize];
+            let (k, side) = match p as u32 {
+                p if p == a => (0, (b, c)),
+                p if p == b => (1, (c, a)),
+                _ => (2, (a, b)),
+            };
+            sides.push(side);
+            t = before[t as usize][k];
         }
-    }
-    let mut odd = vec![false; points];
-    odd.par_chunks_mut(TASK).enumerate().for_each(|(i, odd)| {
-        for (k, odd) in odd.iter_mut().enumerate() {
-            let p = i * TASK + k;
-            let at = &list[start[p] as usize..start[p + 1] as usize];
-            *odd = !is_fan(p as u32, at, triangles);
-        }
-    });
-    odd
+        !is_fan(&mut sides)
+    };
+    let tasks = (0..points).into_par_iter().with_min_len(TASK);
+    tasks.map(is_odd).collect()
 }
 
-/// Whether the triangles `at` a point follow one upon the other.
-fn is_fan(p: u32, at: &[u32], triangles: &[[u32; 3]]) -> bool {
-    let sides: SmallVec<[(u32, u32); 12]> = at
-        .iter()
-        .map(|&t| match triangles[t as usize] {
-            [a, b, c] if a == p => (b, c),
-            [a, b, c] if b == p => (c, a),
-            [a, b, _] => (a, b),
-        })
-        .collect();
-    if sides.len() > 256 {
-        // A hub: left to the sort.
+/// Whether these sides, opposite to a point, are one chain, open or closed.
+fn is_fan(sides: &mut [(u32, u32)]) -> bool {
+    // A hub is left to the sort.
+    const HUB: usize = 256;
+    let count = sides.len();
+    let is_repeated = |i: usize| sides[..i].iter().any(|s| s.0 == sides[i].0);
+    if count > HUB || (1..count).any(is_repeated) {
         return false;
     }
-    let starts_with = |q: u32| sides.iter().filter(move |s| s.0 == q);
-    let opens = |s: &&(u32, u32)| sides.iter().all(|o| o.1 != s.0);
-    let Some(first) = sides.iter().find(opens).or(sides.first()) else {
+    let Some(&(mut begin, mut end)) = sides.first() else {
         return true;
     };
-    let mut at = first;
-    for seen in 1..=sides.len() {
-        let mut next = starts_with(at.1);
-        match (next.next(), next.next()) {
-            (None, _) => return seen == sides.len(),
-            (Some(other), None) if other == first => return seen == sides.len(),
-            (Some(other), None) => at = other,
-            _ => return false,
-        }
+    let mut seen = 1;
+    while let Some(i) = sides[seen..].iter().position(|s| s.0 == end) {
+        sides.swap(seen, seen + i);
+        end = sides[seen].1;
+        seen += 1;
     }
-    false
+    if begin == end || sides[..seen].iter().any(|s| s.0 == end) {
+        return begin == end && seen == count;
+    }
+    while let Some(i) = sides[seen..].iter().position(|s| s.1 == begin) {
+        sides.swap(seen, seen + i);
+        begin = sides[seen].0;
+        seen += 1;
+    }
+    seen == count
 }
 
 /// The triangles at odd points, taken apart.
@@ -241,16 +292,17 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
 
-    /// Triangles by the places of their corners, and how many points there are.
+    /// Triangles that are kept, and how many points there are.
     fn summary(points: &Points) -> (Vec<u32>, usize) {
-        let mut used = vec![false; points.vertex.len()];
-        points
-            .triangle
-            .iter()
-            .flatten()
-            .for_each(|&p| used[p as usize] = true);
-        let count = used.iter().filter(|u| **u).count();
-        (points.source.clone(), count)
+        let mut used: Vec<u32> = points.triangle.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let all = 0..points.triangle.len() as u32;
+        let source = match points.source.is_empty() {
+            true => all.collect(),
+            false => points.source.clone(),
+        };
+        (source, used.len())
     }
 
     #[test]
@@ -261,5 +313,21 @@ mod tests {
             let slow = (slow.source_triangle, slow.surface.position.len());
             assert_eq!(summary(&quick), slow, "{name}");
         }
+    }
+
+    #[test]
+    fn one_chain_is_a_fan() {
+        let is_fan = |sides: &[(u32, u32)]| is_fan(&mut sides.to_vec());
+        assert!(is_fan(&[]) && is_fan(&[(1, 2)]));
+        // Closed; open, from the middle on.
+        assert!(is_fan(&[(1, 2), (3, 1), (2, 3)]));
+        assert!(is_fan(&[(2, 3), (1, 2), (3, 4), (0, 1)]));
+        // Two chains; two cycles; a cycle with a tail, from either; twice.
+        assert!(!is_fan(&[(1, 2), (3, 4)]));
+        assert!(!is_fan(&[(1, 2), (2, 1), (3, 4), (4, 3)]));
+        assert!(!is_fan(&[(1, 2), (2, 3), (3, 2)]));
+        assert!(!is_fan(&[(2, 3), (3, 2), (1, 2)]));
+        assert!(!is_fan(&[(1, 2), (1, 3), (2, 1)]));
+        assert!(!is_fan(&[(1, 3), (2, 3), (3, 4)]));
     }
 }

@@ -2,8 +2,8 @@
 //! that its collapses read and change.
 
 use super::level::Level;
-use super::partition::Cut;
 use super::paint::Paint;
+use super::partition::Cut;
 use super::planes::Planes;
 use super::star::Star;
 use super::sym3::Sym3;
@@ -141,14 +141,13 @@ impl Block {
     pub fn new(level: &Level, cut: &Cut, origin: Vec<u32>, rules: Rules) -> Self {
         let (triangle, global) = cut.numbered(level, &origin);
         let points = global.len();
-        let of = |p: &u32| *p as usize;
         let kind = |p: &u32| match (cut.is_shared(*p), level.is_locked(*p)) {
             (true, _) => Kind::Shared,
             (_, true) => Kind::Locked,
             _ => Kind::Interior,
         };
         let mut block = Self {
-            position: global.iter().map(|p| level.position[of(p)]).collect(),
+            position: global.iter().map(|&p| level.place(p)).collect(),
             kind: global.iter().map(kind).collect(),
             weight: level.weights_of(&global),
             paint: level.paint_of(&origin, points),

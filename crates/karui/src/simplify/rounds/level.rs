@@ -4,13 +4,18 @@ use super::block::{Block, DEAD, Kind};
 use super::paint::{Blend, Paint, Values};
 use super::planes::Planes;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Points and triangles, and what the points stand for.
 #[derive(Debug, Default)]
-pub(crate) struct Level {
-    pub position: Vec<Vec3>,
-    pub triangle: Vec<[u32; 3]>,
-    /// Triangle of the input that every triangle has come from.
+pub(crate) struct Level<'a> {
+    /// Places of the points, to be scaled.
+    pub position: Cow<'a, [Vec3]>,
+    /// By which power of two.
+    pub scale: f32,
+    pub triangle: Cow<'a, [[u32; 3]]>,
+    /// Triangle of the input that every triangle has come from; empty if it is
+    /// the one of the same number.
     pub source: Vec<u32>,
     /// Point of the input that every point has come from; empty at the input.
     pub origin: Vec<u32>,
@@ -33,7 +38,18 @@ pub(crate) struct Level {
     pub log: Vec<Blend>,
 }
 
-impl Level {
+impl<'a> Level<'a> {
+    /// Place of a point, in scaled units.
+    #[inline(always)]
+    pub fn place(&self, p: u32) -> Vec3 {
+        self.position[p as usize] * self.scale
+    }
+
+    /// Triangle of the input that this one has come from.
+    pub fn source_of(&self, t: u32) -> u32 {
+        self.source.get(t as usize).copied().unwrap_or(t)
+    }
+
     /// Whether nothing has been simplified yet.
     pub fn is_input(&self) -> bool {
         self.origin.is_empty()
@@ -69,15 +85,6 @@ impl Level {
         joint.done(self)
     }
 
-    fn take_triangles(&mut self, from: &Self, block: &Block, local: &[u32]) {
-        for (t, points) in block.triangle.iter().enumerate() {
-            if points[0] != DEAD {
-                self.triangle.push(points.map(|p| local[p as usize]));
-                self.source.push(from.source[block.origin[t] as usize]);
-            }
-        }
-    }
-
     fn take_wedges(&mut self, block: &Block, paint: &Paint) {
         for (t, wedges) in paint.wedge.iter().enumerate() {
             if block.triangle[t][0] != DEAD {
@@ -97,78 +104,32 @@ impl Level {
         }
         self.log.extend(&paint.log);
     }
-
-    /// Adds the block's points and returns their new ids.
-    fn take_points(&mut self, from: &Self, block: &Block, shared: &mut [u32]) -> Vec<u32> {
-        let mut local = vec![DEAD; block.global.len()];
-        for (p, &global) in block.global.iter().enumerate() {
-            if block.kind[p] == Kind::Gone || block.span[p].len == 0 {
-                continue;
-            }
-            let is_shared = block.kind[p] == Kind::Shared;
-            let known = shared[global as usize];
-            if is_shared && known != DEAD {
-                local[p] = known;
-                self.facing[known as usize] += block.facing[p];
-                let memory = &mut self.memory[known as usize];
-                *memory = memory.plus(&block.memory[p]);
-                continue;
-            }
-            local[p] = self.position.len() as u32;
-            self.take_point(from, block, p);
-            if is_shared {
-                shared[global as usize] = local[p];
-                self.recall(from, global);
-            }
-        }
-        local
-    }
-
-    fn take_point(&mut self, from: &Self, block: &Block, p: usize) {
-        let global = block.global[p];
-        self.position.push(block.position[p]);
-        self.facing.push(block.facing[p]);
-        self.memory.push(block.memory[p]);
-        self.weight.extend(block.weight.get(p));
-        if !from.locked.is_empty() {
-            self.locked.push(from.is_locked(global));
-        }
-        let origin = from.origin.get(global as usize);
-        self.origin.push(origin.copied().unwrap_or(global));
-    }
-
-    /// Adds to the last point what it stood for before it was shared out.
-    fn recall(&mut self, from: &Self, global: u32) {
-        if from.is_input() {
-            return;
-        }
-        if let (Some(facing), Some(memory)) = (self.facing.last_mut(), self.memory.last_mut()) {
-            *facing += from.facing[global as usize];
-            *memory = memory.plus(&from.memory[global as usize]);
-        }
-    }
 }
 
 /// A level while it is put together, block by block.
 pub(super) struct Joint {
-    next: Level,
+    next: Level<'static>,
+    position: Vec<Vec3>,
+    triangle: Vec<[u32; 3]>,
     /// New ids of the points that several blocks share.
     shared: Vec<u32>,
 }
 
 impl Joint {
-    pub fn of(from: &Level) -> Self {
+    pub fn of(from: &Level<'_>) -> Self {
         Self {
             next: Level::default(),
+            position: Vec::new(),
+            triangle: Vec::new(),
             shared: vec![DEAD; from.position.len()],
         }
     }
 
     /// Adds what is left of these blocks, which come from that level.
-    pub fn add(&mut self, from: &mut Level, blocks: &[Block]) {
+    pub fn add(&mut self, from: &mut Level<'_>, blocks: &[Block]) {
         for block in blocks {
-            let local = self.next.take_points(from, block, &mut self.shared);
-            self.next.take_triangles(from, block, &local);
+            let local = self.take_points(from, block);
+            self.take_triangles(from, block, &local);
             if let Some(paint) = &block.paint {
                 self.next.take_wedges(block, paint);
                 from.repaint(paint);
@@ -177,11 +138,75 @@ impl Joint {
     }
 
     /// The new level, after all blocks have been added.
-    pub fn done(self, from: Level) -> Level {
+    pub fn done<'a>(self, from: Level<'_>) -> Level<'a> {
         Level {
+            position: self.position.into(),
+            scale: 1.0,
+            triangle: self.triangle.into(),
             values: from.values,
             log: from.log,
             ..self.next
+        }
+    }
+
+    fn take_triangles(&mut self, from: &Level<'_>, block: &Block, local: &[u32]) {
+        for (t, points) in block.triangle.iter().enumerate() {
+            if points[0] != DEAD {
+                self.triangle.push(points.map(|p| local[p as usize]));
+                self.next.source.push(from.source_of(block.origin[t]));
+            }
+        }
+    }
+
+    /// Adds the block's points and returns their new ids.
+    fn take_points(&mut self, from: &Level<'_>, block: &Block) -> Vec<u32> {
+        let mut local = vec![DEAD; block.global.len()];
+        for (p, &global) in block.global.iter().enumerate() {
+            if block.kind[p] == Kind::Gone || block.span[p].len == 0 {
+                continue;
+            }
+            let is_shared = block.kind[p] == Kind::Shared;
+            let known = self.shared[global as usize];
+            if is_shared && known != DEAD {
+                local[p] = known;
+                self.next.facing[known as usize] += block.facing[p];
+                let memory = &mut self.next.memory[known as usize];
+                *memory = memory.plus(&block.memory[p]);
+                continue;
+            }
+            local[p] = self.position.len() as u32;
+            self.take_point(from, block, p);
+            if is_shared {
+                self.shared[global as usize] = local[p];
+                self.recall(from, global);
+            }
+        }
+        local
+    }
+
+    fn take_point(&mut self, from: &Level<'_>, block: &Block, p: usize) {
+        let global = block.global[p];
+        self.position.push(block.position[p]);
+        self.next.facing.push(block.facing[p]);
+        self.next.memory.push(block.memory[p]);
+        self.next.weight.extend(block.weight.get(p));
+        if !from.locked.is_empty() {
+            self.next.locked.push(from.is_locked(global));
+        }
+        let origin = from.origin.get(global as usize);
+        self.next.origin.push(origin.copied().unwrap_or(global));
+    }
+
+    /// Adds to the last point what it stood for before it was shared out.
+    fn recall(&mut self, from: &Level<'_>, global: u32) {
+        if from.is_input() {
+            return;
+        }
+        if let (Some(facing), Some(memory)) =
+            (self.next.facing.last_mut(), self.next.memory.last_mut())
+        {
+            *facing += from.facing[global as usize];
+            *memory = memory.plus(&from.memory[global as usize]);
         }
     }
 }

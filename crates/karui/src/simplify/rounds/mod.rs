@@ -55,8 +55,8 @@ const LAST: usize = 512;
 const GUARDED: usize = 4096;
 
 /// How far a run came.
-pub(crate) struct Ran {
-    pub level: Level,
+pub(crate) struct Ran<'a> {
+    pub level: Level<'a>,
     pub error: f32,
     pub collapses: usize,
     pub stopped: Stopped,
@@ -78,14 +78,14 @@ struct Run<'a> {
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub(crate) fn run(
-    mut level: Level,
+pub(crate) fn run<'a>(
+    mut level: Level<'a>,
     target: Target,
     pace: Pace,
     rules: Rules,
     guard: Option<Guard<'_>>,
     progress: &dyn Progress,
-) -> Result<Ran> {
+) -> Result<Ran<'a>> {
     let mut run = Run {
         target,
         pace,

@@ -145,7 +145,7 @@ fn claim(owner: &AtomicU32, block: u32) {
 /// Three times the centre of a triangle.
 #[inline(always)]
 fn center(level: &Level, points: &[u32; 3]) -> Vec3 {
-    let [a, b, c] = points.map(|p| level.position[p as usize]);
+    let [a, b, c] = points.map(|p| level.place(p));
     a + b + c
 }
 
@@ -276,11 +276,12 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
 
-    fn level() -> Level {
+    fn level() -> Level<'static> {
         let mesh = shapes::terrain(200, 150, 3);
         Level {
-            position: mesh.positions,
-            triangle: mesh.triangles,
+            position: mesh.positions.into(),
+            scale: 1.0,
+            triangle: mesh.triangles.into(),
             ..Level::default()
         }
     }

@@ -36,10 +36,10 @@ const PASSES: usize = 4;
 
 /// Collapses an edge of every triangle that opposes the input, if that leaves
 /// fewer of them.
-pub(crate) fn repair(level: Level, rules: Rules, guard: Guard<'_>) -> Level {
+pub(crate) fn repair<'a>(level: Level<'a>, rules: Rules, guard: Guard<'_>) -> Level<'a> {
     let bad: Vec<u32> = (0..level.triangle.len() as u32)
         .into_par_iter()
-        .filter(|&t| guard.opposes(level.triangle[t as usize].map(|p| level.position[p as usize])))
+        .filter(|&t| guard.opposes(level.triangle[t as usize].map(|p| level.place(p))))
         .collect();
     if bad.is_empty() {
         return level;

@@ -17,12 +17,17 @@ use rayon::prelude::*;
 pub(super) const FEW: usize = 64;
 /// Blocks that the thresholds are taken from.
 const SAMPLE: usize = 32;
-/// Blocks at work at a time.
-const GROUP: usize = 64;
+/// Blocks at work at a time, for every thread.
+const GROUP: usize = 16;
 
 impl Run<'_> {
     /// One phase, which ends about halfway to the target.
-    pub(super) fn stream(&mut self, mut level: Level, mut cut: Cut, rules: Rules) -> Result<Level> {
+    pub(super) fn stream<'a>(
+        &mut self,
+        mut level: Level<'a>,
+        mut cut: Cut,
+        rules: Rules,
+    ) -> Result<Level<'a>> {
         let (sample, mut rest) = sampled(std::mem::take(&mut cut.blocks));
         self.refused = Refused::default();
         let mut joint = Joint::of(&level);
@@ -36,9 +41,12 @@ impl Run<'_> {
         let steps = self.sample_phase(&mut blocks, alive)?;
         alive -= self.join(&mut joint, &mut level, &blocks);
         drop(blocks);
+        let size = GROUP * rayon::current_num_threads();
+        // In the same order for groups of any size.
+        rest.reverse();
         while !rest.is_empty() {
             self.report(alive)?;
-            let group = rest.split_off(rest.len().saturating_sub(GROUP));
+            let group = rest.split_off(rest.len().saturating_sub(size));
             let run = |bins: &mut Vec<u32>, origin| {
                 let mut block = take(&level, origin);
                 block.follow(&steps, bins);
@@ -46,6 +54,7 @@ impl Run<'_> {
             };
             let blocks: Vec<Block> = group
                 .into_par_iter()
+                .rev()
                 .map_init(|| vec![0; BINS], run)
                 .collect();
             alive -= self.join(&mut joint, &mut level, &blocks);
