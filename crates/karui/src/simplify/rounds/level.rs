@@ -125,6 +125,18 @@ impl Joint {
         }
     }
 
+    /// Makes room for `times` as much as there is, so that lists of hundreds of
+    /// megabytes are not moved while they grow.
+    pub fn reserve(&mut self, times: f64) {
+        let more = |len: usize| (len as f64 * times) as usize;
+        self.triangle.reserve(more(self.triangle.len()));
+        self.next.source.reserve(more(self.next.source.len()));
+        self.position.reserve(more(self.position.len()));
+        self.next.origin.reserve(more(self.next.origin.len()));
+        self.next.facing.reserve(more(self.next.facing.len()));
+        self.next.memory.reserve(more(self.next.memory.len()));
+    }
+
     /// Adds what is left of these blocks, which come from that level.
     pub fn add(&mut self, from: &mut Level<'_>, blocks: &[Block]) {
         for block in blocks {

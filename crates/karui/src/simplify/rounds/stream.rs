@@ -39,7 +39,10 @@ impl Run<'_> {
             .map(|origin| take(&level, origin))
             .collect();
         let steps = self.sample_phase(&mut blocks, alive)?;
+        let looked_at = blocks.iter().map(|b| b.triangle.len()).sum::<usize>();
+        let times = alive as f64 / looked_at.max(1) as f64;
         alive -= self.join(&mut joint, &mut level, &blocks);
+        joint.reserve(times);
         drop(blocks);
         let size = GROUP * rayon::current_num_threads();
         // In the same order for groups of any size.
