@@ -24,11 +24,11 @@ pub(crate) struct Signal {
 
 /// A normal that is off by 1 (60 degrees) weighs as much as this share of the
 /// diagonal.
-const NORMAL: f64 = 0.005;
+const NORMAL: f64 = 0.01;
 /// A colour or skin weight that is off by 1, as a share of the diagonal.
 const COLOR: f64 = 0.02;
 /// A texture that has slipped by some distance weighs this share of it.
-const UV: f64 = 0.5;
+const UV: f64 = 1.0;
 
 impl Signal {
     /// Scales the attributes of `mesh`, seen at its vertices `source_vertex`;

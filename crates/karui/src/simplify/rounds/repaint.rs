@@ -140,10 +140,15 @@ impl Block {
         }
         self.paint = Some(paint);
         self.vary(a);
+        self.stamp += 1;
         for i in 0..self.fan.len() {
             let side = self.fan[i];
-            self.vary(side.q);
-            self.vary(side.r);
+            for p in [side.q, side.r] {
+                if self.mark[p as usize] != self.stamp {
+                    self.mark[p as usize] = self.stamp;
+                    self.vary(p);
+                }
+            }
         }
     }
 
