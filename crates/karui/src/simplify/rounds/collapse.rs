@@ -111,14 +111,7 @@ impl Block {
     fn check_turns(&mut self, offer: &Offer) -> Result<(), Refusal> {
         let ends = [offer.kept, offer.removed].map(|p| self.position[p as usize]);
         let facing = self.facing[offer.kept as usize] + self.facing[offer.removed as usize];
-        // At the end of a seam or border several sides of a part may meet, and
-        // their mean says nothing: zero asks nothing.
-        let smooth = self.kind[offer.kept as usize] == Kind::Interior;
-        let facing = if smooth {
-            facing.normalize_or_zero()
-        } else {
-            Vec3::ZERO
-        };
+        let facing = facing.normalize_or_zero();
         self.turned.clear();
         for (i, side) in self.fan.iter().enumerate() {
             if side.edge {
@@ -173,15 +166,9 @@ impl Block {
                 return false;
             }
         }
-        if facing == Vec3::ZERO || cross.dot(facing) >= FACING * length {
-            return true;
-        }
-        // The new point may have come around an edge: all three are asked.
-        let unit = |p: u32| self.facing[p as usize].normalize_or_zero();
-        let facing = facing + unit(side.q) + unit(side.r);
         let outward = cross.dot(facing);
         // What opposes the input already may stay so but must not grow.
-        outward >= FACING * facing.length() * length
+        outward >= FACING * length
             || (length <= doubled_area && outward * root_length >= root.dot(facing) * length)
     }
 
