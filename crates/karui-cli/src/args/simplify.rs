@@ -81,7 +81,7 @@ const SHAPING: [&str; 11] = [
 enum QualityArg {
     /// Fewest rounds, no look back at the input
     Fast,
-    /// More rounds; triangles that would show their back are repaired
+    /// More rounds; triangles that show their back are repaired where an edge collapse can
     Balanced,
     /// One collapse at a time, each checked against the input; the reference, many times slower
     Exact,

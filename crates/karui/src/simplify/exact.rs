@@ -5,6 +5,7 @@ use super::candidate::{Candidate, Refusal};
 use super::guard::Guard;
 use super::options::{Blocked, Stopped};
 use super::pairs::Pairs;
+use super::refused::Refused;
 use super::state::State;
 use crate::error::Result;
 use crate::progress::step;
@@ -55,24 +56,6 @@ impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_cost = other.cost.total_cmp(&self.cost);
         by_cost.then_with(|| other.points.cmp(&self.points))
-    }
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Refused {
-    blocked: Blocked,
-    by_error: usize,
-}
-
-impl Refused {
-    fn count(&mut self, refusal: Refusal) {
-        match refusal {
-            Refusal::Locked => self.blocked.locked += 1,
-            Refusal::Topology => self.blocked.topology += 1,
-            Refusal::Seams => self.blocked.seams += 1,
-            Refusal::Flips => self.blocked.flips += 1,
-            Refusal::Error => self.by_error += 1,
-        }
     }
 }
 

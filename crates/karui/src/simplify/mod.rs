@@ -23,6 +23,7 @@ mod pairs;
 mod points;
 mod prune;
 mod quadric;
+mod refused;
 pub(crate) mod rounds;
 mod sheets;
 mod signal;

@@ -146,10 +146,11 @@ impl Stop {
 /// vertex pairs are only had as by [`Quality::Exact`], whatever is asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// Few rounds of many collapses, no look back at the input: fastest. A few
-    /// triangles in ten thousand may oppose the input's nearest to them.
+    /// Few rounds of many collapses, no look back at the input: fastest.
+    /// Triangles may oppose the input's nearest to them.
     Fast,
-    /// More rounds; triangles that oppose the input are repaired at the end.
+    /// More rounds; triangles that oppose the input are repaired at the end
+    /// where an edge collapse can.
     #[default]
     Balanced,
     /// Strictly the cheapest collapse next, every price renewed after each,

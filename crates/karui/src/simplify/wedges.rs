@@ -180,7 +180,8 @@ pub(super) fn distinct_triangles(
     kept
 }
 
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+/// The corners turned so that the least comes first.
+pub(super) fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]
     } else if b < c {

@@ -6,6 +6,7 @@ use super::place::Placed;
 use crate::geom::{closest_barycentric, interpolate, normal_times_two_areas};
 use crate::mesh::{Attributes, TriMesh};
 use crate::simplify::blend::{Mix, blend};
+use crate::simplify::wedges::least_first;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -74,16 +75,6 @@ pub(super) fn kept(mesh: &TriMesh, groups: &Groups, placed: &Placed) -> Vec<u32>
         true
     });
     kept
-}
-
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
 }
 
 /// The wedges that are left, in the order of their first vertices.

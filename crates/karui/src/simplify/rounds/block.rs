@@ -7,6 +7,7 @@ use super::partition::Cut;
 use super::planes::Planes;
 use super::star::Star;
 use super::sym3::Sym3;
+use crate::simplify::refused::Refused;
 use glam::{Vec3, Vec4};
 
 /// First corner of a triangle that is gone.
@@ -106,7 +107,8 @@ pub(super) struct Block {
     pub alive: usize,
     pub collapses: usize,
     pub error: f32,
-    pub refused: super::round::Refused,
+    /// What was refused in the last round.
+    pub refused: Refused,
     /// Ids of the points in the level.
     pub global: Vec<u32>,
     /// Ids of the triangles in the level.

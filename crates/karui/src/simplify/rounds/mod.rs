@@ -26,16 +26,18 @@ mod sym3;
 pub(crate) use block::Rules;
 pub(crate) use level::Level;
 pub(crate) use paint::Values;
-pub(crate) use repair::{Guard, repair};
+pub(crate) use repair::Guard;
 
 use super::exact::Target;
 use super::options::{Blocked, Stopped};
+use super::refused::Refused;
 use crate::error::Result;
 use crate::progress::{Progress, step};
 use block::Block;
 use partition::Cut;
 use rayon::prelude::*;
-use round::{BINS, Refused, upper_end};
+use repair::repair;
+use round::{BINS, upper_end};
 
 /// Share of the edges looked at that may collapse in one round.
 #[derive(Debug, Clone, Copy)]

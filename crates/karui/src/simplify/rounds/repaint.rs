@@ -175,7 +175,6 @@ impl Block {
         let Some(mut paint) = self.paint.take() else {
             return;
         };
-        self.paint = None;
         let mut seen = SmallVec::<[u32; 4]>::new();
         let mut sum = super::sym3::Sym3::default();
         for &t in self.triangles_at(p) {

@@ -5,7 +5,7 @@ use super::block::{Block, DEAD, Kind};
 use super::lanes::{self, Four};
 use super::repair::Guard;
 use crate::simplify::candidate::Refusal;
-use crate::simplify::options::Blocked;
+use crate::simplify::refused::Refused;
 
 /// Prices fall into one bin for every 1/16 of an octave.
 const SHIFT: u32 = 19;
@@ -13,33 +13,6 @@ const SHIFT: u32 = 19;
 pub(super) const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize;
 /// How much dearer than the threshold an edge may have become during a round.
 const SLACK: f32 = 1.3;
-
-/// What was refused in the last round, by reason.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Refused {
-    pub blocked: Blocked,
-    pub by_error: usize,
-}
-
-impl Refused {
-    pub fn count(&mut self, refusal: Refusal) {
-        match refusal {
-            Refusal::Locked => self.blocked.locked += 1,
-            Refusal::Topology => self.blocked.topology += 1,
-            Refusal::Seams => self.blocked.seams += 1,
-            Refusal::Flips => self.blocked.flips += 1,
-            Refusal::Error => self.by_error += 1,
-        }
-    }
-
-    pub fn add(&mut self, other: &Self) {
-        self.blocked.locked += other.blocked.locked;
-        self.blocked.topology += other.blocked.topology;
-        self.blocked.seams += other.blocked.seams;
-        self.blocked.flips += other.blocked.flips;
-        self.by_error += other.by_error;
-    }
-}
 
 /// The price at which a bin ends.
 pub(super) fn upper_end(bin: usize) -> f32 {

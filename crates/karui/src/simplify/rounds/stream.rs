@@ -6,11 +6,12 @@
 use super::block::{Block, Rules};
 use super::level::{Joint, Level};
 use super::partition::Cut;
-use super::round::{BINS, Refused};
+use super::round::BINS;
 use super::{Run, Step};
 use crate::error::Result;
 use crate::progress::Silent;
 use crate::simplify::exact::Target;
+use crate::simplify::refused::Refused;
 use rayon::prelude::*;
 
 /// Blocks up to which all are looked at together.
