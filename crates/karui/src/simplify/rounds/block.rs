@@ -80,8 +80,8 @@ pub(super) struct Block {
     pub span: Vec<Span>,
     pub list: Vec<u32>,
     pub kind: Vec<Kind>,
-    /// Sum of the input's area normals that the point stands for.
-    pub facing: Vec<Vec3>,
+    /// Sum of the input's area normals that the point stands for, and of areas.
+    pub facing: Vec<Vec4>,
     /// The input's planes that the point stands for.
     pub memory: Vec<Planes>,
     /// Empty if all are 1.
@@ -157,7 +157,7 @@ impl Block {
             star: vec![Star::default(); points],
             span: vec![Span::default(); points],
             list: Vec::new(),
-            facing: vec![Vec3::ZERO; points],
+            facing: vec![Vec4::ZERO; points],
             memory: vec![Planes::default(); points],
             mark: vec![0; points],
             stamp: 0,
@@ -244,7 +244,7 @@ impl Block {
                     self.memory[p as usize] = self.memory[p as usize].plus(&planes);
                 }
             }
-            self.facing = self.star.iter().map(Star::normal).collect();
+            self.facing = self.star.iter().map(Star::facing).collect();
             return;
         }
         for p in 0..self.global.len() {

@@ -13,6 +13,10 @@ use glam::{Vec3, Vec4};
 /// Least cosine between a triangle's normal and the mean of the input's
 /// normals that the new point stands for.
 const FACING: f32 = 0.2;
+/// Least share of the input's area around a point that its normals must add up
+/// to for them to have a mean.
+const COHERENT: f32 = 0.6;
+
 /// A triangle thinner than this must not get much thinner; 1 would be a right
 /// angle with equal sides.
 const THIN: f32 = 0.02;
@@ -111,7 +115,7 @@ impl Block {
     fn check_turns(&mut self, offer: &Offer) -> Result<(), Refusal> {
         let ends = [offer.kept, offer.removed].map(|p| self.position[p as usize]);
         let facing = self.facing[offer.kept as usize] + self.facing[offer.removed as usize];
-        let facing = facing.normalize_or_zero();
+        let facing = facing_of(facing);
         self.turned.clear();
         for (i, side) in self.fan.iter().enumerate() {
             if side.edge {
@@ -150,7 +154,7 @@ impl Block {
         normal: Vec4,
         ring: [Vec3; 2],
         corners: [Vec3; 2],
-        facing: Vec3,
+        facing: Option<Vec3>,
     ) -> bool {
         let root = self.root[side.t as usize];
         let (cross, length) = (normal.truncate(), normal.w);
@@ -166,6 +170,9 @@ impl Block {
                 return false;
             }
         }
+        let Some(facing) = facing else {
+            return true;
+        };
         let outward = cross.dot(facing);
         // What opposes the input already may stay so but must not grow.
         outward >= FACING * length
@@ -297,6 +304,16 @@ impl Block {
             }
         }
     }
+}
+
+/// The direction in which the input faces, of a sum of area normals and areas;
+/// none where they cancel out: on a shell whose two sides have become one,
+/// either side is as good.
+#[inline(always)]
+fn facing_of(sum: Vec4) -> Option<Vec3> {
+    let normal = sum.truncate();
+    let length = normal.length();
+    (length > COHERENT * sum.w).then(|| normal / length)
 }
 
 /// Whether one of the triangles has these two points besides.

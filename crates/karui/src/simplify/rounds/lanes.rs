@@ -1,6 +1,6 @@
 //! Prices of four edges at once.
 
-use super::price::{OFF_SURFACE, PULL, SHORT};
+use super::price::{CLOSED, OFF_SURFACE, PULL, SHORT, STEEP, WAY};
 use super::star::Star;
 use glam::Vec4;
 use std::ops::{Add, Mul, Sub};
@@ -86,18 +86,17 @@ fn unpack(stars: [&Star; 4]) -> (M, V, V) {
 /// matters to the place more than to the price. Not a number where there is no
 /// area.
 #[inline(always)]
-pub(super) fn prices(a: [&Star; 4], b: [&Star; 4]) -> Vec4 {
+pub(super) fn prices(a: [&Star; 4], b: [&Star; 4], facing: [Vec4; 4]) -> Vec4 {
     let (qa, na, pa) = unpack(a);
     let (qb, nb, pb) = unpack(b);
     let half = (pb - pa) * Vec4::splat(0.5);
     let sum = M(std::array::from_fn(|i| qa.0[i] + qb.0[i]));
     let area = sum.0[0] + sum.0[3] + sum.0[5];
     let (ha, hb) = (qa.mul(half), qb.mul(half));
-    let linear = hb - ha;
-    let y = sum.solve(Vec4::splat(PULL) * area, linear);
-    let length_squared = half.dot(half);
+    let y = sum.solve(Vec4::splat(PULL) * area, hb - ha);
+    let along = half.dot(half);
     // Of a place too far away the middle takes its place.
-    let near = y.dot(y).cmple(length_squared * 16.0);
+    let near = y.dot(y).cmple(along * 16.0);
     let y = V(
         Vec4::select(near, y.0, Vec4::ZERO),
         Vec4::select(near, y.1, Vec4::ZERO),
@@ -105,12 +104,17 @@ pub(super) fn prices(a: [&Star; 4], b: [&Star; 4]) -> Vec4 {
     );
     let (u, v) = (y + half, y - half);
     let least = qa.mul(u).dot(u) + qb.mul(v).dot(v);
-    let normal = na + nb;
     let tiny = Vec4::splat(f32::MIN_POSITIVE);
-    let share = (y.dot(half) / length_squared.max(tiny)).clamp(Vec4::NEG_ONE, Vec4::ONE);
+    let share = (y.dot(half) / along.max(tiny)).clamp(Vec4::NEG_ONE, Vec4::ONE);
+    let normal = na + nb;
     let height = (y - half * share).dot(normal);
     let height = height * height / normal.dot(normal).max(tiny);
-    least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + length_squared * (4.0 * SHORT))
+    let [fx, fy, fz, input] = Star::columns(facing);
+    let (facing, input) = (V(fx, fy, fz), input * input);
+    let turned = (input * CLOSED - facing.dot(facing)) * STEEP;
+    let openness = (turned / input.max(tiny)).clamp(Vec4::ZERO, Vec4::ONE);
+    let retreat = openness * WAY * (y.dot(y) + along);
+    least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + retreat + along * (4.0 * SHORT))
 }
 
 /// Half-edges whose prices are asked for, four at a time.

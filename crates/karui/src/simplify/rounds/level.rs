@@ -3,7 +3,7 @@
 use super::block::{Block, DEAD, Kind};
 use super::paint::{Blend, Paint, Values};
 use super::planes::Planes;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::borrow::Cow;
 
 /// Points and triangles, and what the points stand for.
@@ -19,8 +19,9 @@ pub(crate) struct Level<'a> {
     pub source: Vec<u32>,
     /// Point of the input that every point has come from; empty at the input.
     pub origin: Vec<u32>,
-    /// Sum of the input's area normals, of every point; empty at the input.
-    pub facing: Vec<Vec3>,
+    /// Sum of the input's area normals, and of areas, of every point; empty at
+    /// the input.
+    pub facing: Vec<Vec4>,
     /// The input's planes, of every point; empty at the input.
     pub memory: Vec<Planes>,
     /// Empty if all are 1.

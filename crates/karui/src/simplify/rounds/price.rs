@@ -7,7 +7,7 @@
 
 use super::block::Block;
 use super::feature::Ends;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Pull towards the middle of the edge where the planes leave a direction
 /// open, as a share of the trace.
@@ -17,6 +17,15 @@ pub(super) const PULL: f32 = 1e-4;
 /// at no cost. (The height along the mean normal measures as well as the
 /// distance to the triangles, at a tenth of the work.)
 pub(super) const OFF_SURFACE: f32 = 1.0;
+/// Weight of the squared way of the ends to the new vertex where the surface
+/// turns back on itself: the planes on both sides of a blade do not tell how
+/// far its rim retreats.
+pub(super) const WAY: f32 = 2.0;
+/// Where a surface counts as not turning back: squared length of the mean of
+/// its unit normals.
+pub(super) const CLOSED: f32 = 0.4;
+/// How fast it comes to count as turning back below that.
+pub(super) const STEEP: f32 = 4.0;
 /// Preference for short edges where nothing else decides.
 pub(super) const SHORT: f32 = 1e-6;
 
@@ -57,27 +66,30 @@ impl Block {
         let half = (pb - pa) * 0.5;
         let sum = qa + qb;
         let area = sum.trace();
-        let linear = qb.mul(half) - qa.mul(half);
-        // Two sums of squares: expanded, small costs would be lost to rounding.
-        let cost = |y: Vec3| qa.square(y + half) + qb.square(y - half);
-        let length_squared = 4.0 * half.length_squared();
-        let best = sum.solve(PULL * area, linear);
-        let usable = best.length_squared() <= 4.0 * length_squared;
+        let (ha, hb) = (qa.mul(half), qb.mul(half));
+        let best = sum.solve(PULL * area, hb - ha);
+        let along = half.length_squared();
+        let usable = best.length_squared() <= 16.0 * along;
         let mut place = if usable { best } else { Vec3::ZERO };
-        let mut least = cost(place);
-        for end in [-half, half] {
-            let price = cost(end);
+        // Two sums of squares: expanded, small costs would be lost to rounding.
+        let mut least = qa.square(place + half) + qb.square(place - half);
+        let at_ends = [(-half, 4.0 * half.dot(hb)), (half, 4.0 * half.dot(ha))];
+        for (end, price) in at_ends {
             if price < least {
                 (place, least) = (end, price);
             }
         }
         let normal = sa.normal() + sb.normal();
-        let height = height_over(place, half, normal);
+        let share = (place.dot(half) / along.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0);
+        let height = (place - half * share).dot(normal);
+        let height = height * height / normal.length_squared().max(f32::MIN_POSITIVE);
+        let facing = self.facing[a as usize] + self.facing[b as usize];
+        let retreat = WAY * openness(facing) * (place.length_squared() + along);
         Offer {
             kept: a,
             removed: b,
             place: pa + (place + half),
-            cost: least.max(0.0) + area * (OFF_SURFACE * height + SHORT * length_squared),
+            cost: least.max(0.0) + area * (OFF_SURFACE * height + retreat + 4.0 * SHORT * along),
         }
     }
 
@@ -86,11 +98,12 @@ impl Block {
         let place = self.position[kept as usize];
         let edge = self.position[removed as usize] - place;
         let planes = self.star[removed as usize].planes();
+        let way = SHORT + WAY * openness(self.facing[removed as usize]);
         Offer {
             kept,
             removed,
             place,
-            cost: planes.square(edge) + SHORT * planes.trace() * edge.length_squared(),
+            cost: planes.square(edge) + way * planes.trace() * edge.length_squared(),
         }
     }
 
@@ -104,11 +117,11 @@ impl Block {
     }
 }
 
-/// Squared height of `y` over the edge from `-half` to `half`, along `normal`.
+/// How little the input has a common side, 0 to 1, where its area normals and
+/// its areas add up to `facing`.
 #[inline(always)]
-fn height_over(y: Vec3, half: Vec3, normal: Vec3) -> f32 {
-    let along = half.length_squared();
-    let share = (y.dot(half) / along.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0);
-    let height = (y - half * share).dot(normal);
-    height * height / normal.length_squared().max(f32::MIN_POSITIVE)
+fn openness(facing: Vec4) -> f32 {
+    let area = (facing.w * facing.w).max(f32::MIN_POSITIVE);
+    let normal = facing.truncate().length_squared();
+    ((CLOSED * facing.w * facing.w - normal) * STEEP / area).clamp(0.0, 1.0)
 }

@@ -100,7 +100,9 @@ impl Block {
         let star = |p: u32| &self.star[p as usize];
         let a = four.ends.map(|(p, _)| star(p));
         let b = four.ends.map(|(_, q)| star(q));
-        let prices = lanes::prices(a, b).to_array();
+        let facing = |p: u32| self.facing[p as usize];
+        let facing = four.ends.map(|(p, q)| facing(p) + facing(q));
+        let prices = lanes::prices(a, b, facing).to_array();
         for (i, &(p, q)) in four.ends[..four.len].iter().enumerate() {
             let mut price = prices[i];
             if !self.weight.is_empty() {

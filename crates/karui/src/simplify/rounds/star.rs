@@ -47,6 +47,11 @@ impl Star {
         Vec3::new(a.w, b.w, c.x)
     }
 
+    /// The sum of the area normals, and of areas.
+    pub fn facing(&self) -> Vec4 {
+        self.normal().extend(self.planes().trace())
+    }
+
     /// Remembers where the point is.
     #[inline(always)]
     pub fn set_place(&mut self, place: Vec3) {
@@ -58,7 +63,12 @@ impl Star {
     /// with one lane for every star.
     #[inline(always)]
     pub fn lanes(stars: [&Self; 4], i: usize) -> [Vec4; 4] {
-        let [a, b, c, d] = stars.map(|s| s.0[i]);
+        Self::columns(stars.map(|s| s.0[i]))
+    }
+
+    /// Four vectors as one for every of their numbers.
+    #[inline(always)]
+    pub fn columns([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
         let columns = Mat4::from_cols(a, b, c, d).transpose();
         [
             columns.x_axis,
