@@ -1,6 +1,7 @@
 //! A piece of the surface small enough for a core's cache, with everything
 //! that its collapses read and change.
 
+use super::fan::Fan;
 use super::level::Level;
 use super::paint::Paint;
 use super::partition::Cut;
@@ -9,6 +10,8 @@ use super::star::Star;
 use super::sym3::Sym3;
 use crate::simplify::refused::Refused;
 use glam::{Vec3, Vec4};
+use std::hint::select_unpredictable;
+use std::ops::Range;
 
 /// First corner of a triangle that is gone.
 pub(super) const DEAD: u32 = u32::MAX;
@@ -39,18 +42,6 @@ pub(super) enum Kind {
 pub(super) struct Span {
     pub start: u32,
     pub len: u32,
-}
-
-/// A triangle as seen from one of its points.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
-    pub t: u32,
-    /// The point after.
-    pub q: u32,
-    /// The point before.
-    pub r: u32,
-    /// Whether the edge that collapses is one of its sides.
-    pub edge: bool,
 }
 
 /// What the blocks of one simplification have in common.
@@ -98,12 +89,8 @@ pub(super) struct Block {
     pub round: u32,
     /// Price of every half-edge as of its last look.
     pub price: Vec<f32>,
-    /// Scratch of one collapse: the triangles at its ends, each once.
-    pub fan: Vec<Side>,
-    /// How many of them are at the point that stays.
-    pub first: usize,
-    /// Those that stay, by their place in the fan, and their new roots.
-    pub turned: Vec<(u32, Vec4)>,
+    /// Scratch of one collapse.
+    pub fan: Fan,
     pub alive: usize,
     pub collapses: usize,
     pub error: f32,
@@ -126,16 +113,21 @@ pub(super) fn root_of(cross: Vec3, length: f32) -> Vec4 {
     }
 }
 
-/// The triangle turned so that `p`, one of its points, comes first.
+/// The two points of a triangle after and before `p`, one of its points.
 #[inline(always)]
-pub(super) fn turned([a, b, c]: [u32; 3], p: u32) -> [u32; 3] {
-    if a == p {
-        [a, b, c]
-    } else if b == p {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
+pub(super) fn others([a, b, c]: [u32; 3], p: u32) -> (u32, u32) {
+    // Any of the three is as likely: a guess would often be wrong.
+    let (first, second) = (a == p, b == p);
+    let next = select_unpredictable(second, c, a);
+    let last = select_unpredictable(second, a, b);
+    (
+        select_unpredictable(first, b, next),
+        select_unpredictable(first, c, last),
+    )
+}
+
+pub(super) fn range(span: Span) -> Range<usize> {
+    span.start as usize..(span.start + span.len) as usize
 }
 
 impl Block {
@@ -165,9 +157,7 @@ impl Block {
             touched: vec![0; points],
             round: 0,
             price: vec![f32::INFINITY; triangle.len() * 3],
-            fan: Vec::new(),
-            first: 0,
-            turned: Vec::new(),
+            fan: Fan::default(),
             alive: triangle.len(),
             collapses: 0,
             error: 0.0,

@@ -1,7 +1,7 @@
 //! Edges along which the surface may be simplified but not across: borders,
 //! edges of more than two triangles, seams of attributes and of materials.
 
-use super::block::{Block, Kind, Span, turned};
+use super::block::{Block, Kind, Span, others};
 use super::paint::Pairs;
 use super::planes::Planes;
 use super::star::Star;
@@ -118,15 +118,15 @@ impl Block {
         self.stamp += 1;
         let Span { start, len } = self.span[p as usize];
         let triangles = &self.list[start as usize..(start + len) as usize];
-        let sides = |t: &u32| turned(self.triangle[*t as usize], p);
+        let sides = |t: &u32| others(self.triangle[*t as usize], p);
         let mut once = true;
-        for [_, next, _] in triangles.iter().map(sides) {
+        for (next, _) in triangles.iter().map(sides) {
             once &= self.mark[next as usize] != self.stamp;
             self.mark[next as usize] = self.stamp;
         }
         let look = triangles.first().map(|&t| self.aspect(t, p));
         once && triangles.iter().all(|t| {
-            let [_, _, last] = sides(t);
+            let (_, last) = sides(t);
             self.mark[last as usize] == self.stamp
                 && (self.paint.is_none() || look == Some(self.aspect(*t, p)))
         })
@@ -158,7 +158,7 @@ impl Block {
     fn ring(&self, p: u32) -> SmallVec<[Neighbour; 12]> {
         let mut ring = SmallVec::<[Neighbour; 12]>::new();
         for &t in self.triangles_at(p) {
-            let [_, q, r] = turned(self.triangle[t as usize], p);
+            let (q, r) = others(self.triangle[t as usize], p);
             let look = self.aspect(t, p);
             for point in [q, r] {
                 match ring.iter_mut().find(|n| n.point == point) {

@@ -1,17 +1,33 @@
-//! Prices of four edges at once.
+//! Prices of four edges, and turns of four triangles, at once.
 
 use super::price::{CLOSED, OFF_SURFACE, PULL, SHORT, STEEP, WAY};
 use super::star::Star;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use std::ops::{Add, Mul, Sub};
 
-/// Vectors of four edges.
-#[derive(Clone, Copy)]
-struct V(Vec4, Vec4, Vec4);
+/// Four vectors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct V(pub Vec4, pub Vec4, pub Vec4);
 
 impl V {
+    /// One vector four times.
     #[inline(always)]
-    fn dot(self, o: Self) -> Vec4 {
+    pub fn splat(v: Vec3) -> Self {
+        Self(Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z))
+    }
+
+    #[inline(always)]
+    fn cross(self, o: Self) -> Self {
+        Self(
+            self.1 * o.2 - o.1 * self.2,
+            self.2 * o.0 - o.2 * self.0,
+            self.0 * o.1 - o.0 * self.1,
+        )
+    }
+
+    /// The dot products.
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> Vec4 {
         self.0 * o.0 + self.1 * o.1 + self.2 * o.2
     }
 }
@@ -115,6 +131,47 @@ pub(super) fn prices(a: [&Star; 4], b: [&Star; 4], facing: [Vec4; 4]) -> Vec4 {
     let openness = (turned / input.max(tiny)).clamp(Vec4::ZERO, Vec4::ONE);
     let retreat = openness * WAY * (y.dot(y) + along);
     least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + retreat + along * (4.0 * SHORT))
+}
+
+/// Four triangles before and after one of their corners moves.
+#[derive(Debug)]
+pub(super) struct Turn {
+    /// Their area normals then, doubled.
+    pub normal: V,
+    /// The length of these.
+    pub length: Vec4,
+    /// Their longest side then, squared.
+    pub longest: Vec4,
+    /// Their unit normals before, times the root of the area, and that root.
+    pub old_normal: V,
+    pub old_root: Vec4,
+}
+
+/// Triangles from `place` to the two points of every `ring`; `old` are their
+/// roots before.
+#[inline(always)]
+pub(super) fn turn(place: V, [q, r]: [V; 2], [x, y, z, w]: [Vec4; 4]) -> Turn {
+    let (e, f, g) = (q - place, r - place, q - r);
+    let normal = e.cross(f);
+    Turn {
+        normal,
+        length: normal.dot(normal).sqrt(),
+        longest: e.dot(e).max(f.dot(f)).max(g.dot(g)),
+        old_normal: V(x, y, z),
+        old_root: w,
+    }
+}
+
+impl Turn {
+    /// The roots of the triangles as they are then, as
+    /// [`root_of`](super::block::root_of) has them.
+    #[inline(always)]
+    pub fn roots(&self) -> [Vec4; 4] {
+        let tiny = Vec4::splat(f32::MIN_POSITIVE);
+        let by = (Vec4::splat(0.5) / self.length.max(tiny)).sqrt();
+        let normal = self.normal * by;
+        Star::columns([normal.0, normal.1, normal.2, self.length * by])
+    }
 }
 
 /// Half-edges whose prices are asked for, four at a time.

@@ -9,6 +9,7 @@
 
 mod block;
 mod collapse;
+mod fan;
 mod feature;
 mod lanes;
 mod level;

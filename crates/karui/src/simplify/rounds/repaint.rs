@@ -1,6 +1,7 @@
 //! What a collapse does to the attributes.
 
 use super::block::{Block, Kind};
+use super::fan::Side;
 use super::paint::{Pair, Pairs};
 use super::price::Offer;
 use crate::geom::{closest_barycentric, interpolate};
@@ -33,8 +34,8 @@ impl Block {
             return Ok(repaint);
         }
         let (a, b) = (offer.kept, offer.removed);
-        for side in self.fan.iter().filter(|side| side.edge) {
-            let pair = (self.wedge_at(side.t, a), self.wedge_at(side.t, b));
+        for &(t, _) in &self.fan.edge {
+            let pair = (self.wedge_at(t, a), self.wedge_at(t, b));
             if !repaint.pairs.contains(&pair) {
                 repaint.pairs.push(pair);
             }
@@ -52,12 +53,9 @@ impl Block {
     /// Which end of the offer a triangle of the fan is at, and its wedge
     /// there.
     fn end_of(&self, offer: &Offer, i: usize) -> (u32, u32) {
-        let end = if i < self.first {
-            offer.kept
-        } else {
-            offer.removed
-        };
-        (end, self.wedge_at(self.fan[i].t, end))
+        let kept = i < self.fan.first;
+        let end = if kept { offer.kept } else { offer.removed };
+        (end, self.wedge_at(self.fan.sides[i].t, end))
     }
 
     /// The mixture that the surface shows nearest to the new place, among the
@@ -66,16 +64,19 @@ impl Block {
         let paint = self.paint.as_ref()?;
         let place = offer.place.as_dvec3();
         let mut best: Option<(f64, Mix)> = None;
-        for (i, side) in self.fan.iter().enumerate() {
+        let at_edge = |&&(t, _): &&(u32, u32)| self.wedge_at(t, offer.kept) == pair.0;
+        let beside = |&i: &usize| {
             let (_, wedge) = self.end_of(offer, i);
-            if wedge != if i < self.first { pair.0 } else { pair.1 } {
-                continue;
-            }
-            let corners = self.corners(side.t).map(|p| p.as_dvec3());
+            wedge == if i < self.fan.first { pair.0 } else { pair.1 }
+        };
+        let edge = self.fan.edge.iter().filter(at_edge).map(|e| e.0);
+        let sides = (0..self.fan.sides.len()).filter(beside);
+        for t in edge.chain(sides.map(|i| self.fan.sides[i].t)) {
+            let corners = self.corners(t).map(|p| p.as_dvec3());
             let shares = closest_barycentric(place, corners);
             let distance = place.distance_squared(interpolate(corners, shares));
             if best.as_ref().is_none_or(|(known, _)| distance < *known) {
-                let sources = paint.wedge[side.t as usize];
+                let sources = paint.wedge[t as usize];
                 best = Some((distance, Mix { sources, shares }));
             }
         }
@@ -87,15 +88,14 @@ impl Block {
             return false;
         };
         paint.uvs.iter().any(|&set| {
-            self.turned.iter().any(|&(i, _)| {
-                let (end, wedge) = self.end_of(offer, i as usize);
+            self.fan.sides.iter().enumerate().any(|(i, side)| {
+                let (end, wedge) = self.end_of(offer, i);
                 let kept = repaint.kept(wedge);
                 let pair = repaint.pairs.iter().position(|pair| pair.0 == kept);
                 let new = match pair.and_then(|at| repaint.mixes.get(at)) {
                     Some(mix) => paint.mixed_uv(set, mix),
                     None => paint.uv(set, kept),
                 };
-                let side = self.fan[i as usize];
                 let [q, r] = [side.q, side.r].map(|p| paint.uv(set, self.wedge_at(side.t, p)));
                 let old = paint.uv(set, self.wedge_at(side.t, end));
                 let before = (q - old).perp_dot(r - old);
@@ -111,11 +111,12 @@ impl Block {
         let Some(mut paint) = self.paint.take() else {
             return;
         };
-        for side in &self.fan {
-            let points = self.triangle[side.t as usize];
+        let edge = self.fan.edge.iter().map(|e| e.0);
+        for t in edge.chain(self.fan.sides.iter().map(|side| side.t)) {
+            let points = self.triangle[t as usize];
             let which = points.map(|p| p != a && p != b);
-            let wedges = paint.wedge[side.t as usize];
-            paint.add(wedges, self.corners(side.t), which, -1.0);
+            let wedges = paint.wedge[t as usize];
+            paint.add(wedges, self.corners(t), which, -1.0);
         }
         self.paint = Some(paint);
     }
@@ -132,8 +133,7 @@ impl Block {
         for &[wedge, _, _] in wedges {
             paint.clear(repaint.kept(wedge));
         }
-        for (&(i, _), &[wedge, q, r]) in self.turned.iter().zip(wedges) {
-            let t = self.fan[i as usize].t;
+        for (&Side { t, .. }, &[wedge, q, r]) in self.fan.sides.iter().zip(wedges) {
             let wedges = [repaint.kept(wedge), q, r];
             paint.wedge[t as usize] = wedges;
             paint.add(wedges, self.corners(t), [true; 3], 1.0);
@@ -141,14 +141,19 @@ impl Block {
         self.paint = Some(paint);
         self.vary(a);
         self.stamp += 1;
-        for i in 0..self.fan.len() {
-            let side = self.fan[i];
-            for p in [side.q, side.r] {
-                if self.mark[p as usize] != self.stamp {
-                    self.mark[p as usize] = self.stamp;
-                    self.vary(p);
-                }
-            }
+        for i in 0..self.fan.edge.len() {
+            self.vary_once(self.fan.edge[i].1);
+        }
+        for i in 0..self.fan.sides.len() {
+            self.vary_once(self.fan.sides[i].q);
+            self.vary_once(self.fan.sides[i].r);
+        }
+    }
+
+    fn vary_once(&mut self, p: u32) {
+        if self.mark[p as usize] != self.stamp {
+            self.mark[p as usize] = self.stamp;
+            self.vary(p);
         }
     }
 
@@ -158,12 +163,11 @@ impl Block {
         if self.paint.is_none() {
             return SmallVec::new();
         }
-        let wedges = |&(i, _): &(u32, _)| {
-            let side = self.fan[i as usize];
-            let (end, _) = self.end_of(offer, i as usize);
+        let wedges = |(i, side): (usize, &Side)| {
+            let (end, _) = self.end_of(offer, i);
             [end, side.q, side.r].map(|p| self.wedge_at(side.t, p))
         };
-        self.turned.iter().map(wedges).collect()
+        self.fan.sides.iter().enumerate().map(wedges).collect()
     }
 
     /// Brings what the attributes around `p` add to its star up to date.

@@ -1,8 +1,9 @@
 //! The planes around a point as they are now.
 
+use super::lanes::V;
 use super::sym3::Sym3;
 use glam::{Mat4, Vec3, Vec4, Vec4Swizzles};
-use std::ops::{AddAssign, SubAssign};
+use std::ops::{AddAssign, Sub, SubAssign};
 
 /// Sum of area times `n nT` and of the area normals, over the triangles at a
 /// point, through which all their planes pass; laid out so that three vector
@@ -66,6 +67,13 @@ impl Star {
         Self::columns(stars.map(|s| s.0[i]))
     }
 
+    /// Places of four stars.
+    #[inline(always)]
+    pub fn places(stars: [&Self; 4]) -> V {
+        let [_, x, y, z] = Self::lanes(stars, 2);
+        V(x, y, z)
+    }
+
     /// Four vectors as one for every of their numbers.
     #[inline(always)]
     pub fn columns([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
@@ -85,6 +93,15 @@ impl AddAssign for Star {
         for (a, b) in self.0.iter_mut().zip(other.0) {
             *a += b;
         }
+    }
+}
+
+impl Sub for Star {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(mut self, other: Self) -> Self {
+        self -= other;
+        self
     }
 }
 
