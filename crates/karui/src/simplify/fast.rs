@@ -40,7 +40,7 @@ pub(super) fn simplify_chain(
     };
     let wants_index = options.quality == Quality::Balanced || points.normals == Normals::LookedUp;
     let index = match wants_index && !level.triangle.is_empty() {
-        true => Some(Bvh::build(mesh)?),
+        true => Some(Bvh::build_quick(mesh)?),
         false => None,
     };
     let guard = index.as_ref().map(|index| Guard { index, scale });
