@@ -127,6 +127,7 @@ fn level_of<'a>(
             .unwrap_or_default(),
         triangle: std::mem::take(&mut points.triangle),
         source: std::mem::take(&mut points.source),
+        fans: points.fans,
         ..Level::default()
     };
     if !points.wedge.is_empty() {

@@ -28,6 +28,8 @@ pub(super) struct Points<'a> {
     pub wedge_vertex: Vec<u32>,
     /// What becomes of the normals.
     pub normals: Normals,
+    /// Whether the triangles at every point were one fan from the start.
+    pub fans: bool,
 }
 
 impl Points<'_> {
@@ -76,6 +78,7 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         }
     };
     let odd = odd_points(&triangle, ids.count);
+    let has_odd = odd.contains(&true);
     let is_bare = mesh.attributes == Attributes::default() && mesh.ranges.len() <= 1;
     let vertex = match keeps_vertices {
         true => Vec::new(),
@@ -88,8 +91,8 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         wedge: Vec::new(),
         wedge_vertex: Vec::new(),
         normals: Normals::Kept,
+        fans: !has_odd,
     };
-    let has_odd = odd.contains(&true);
     if is_bare && !has_odd {
         return points;
     }
@@ -115,6 +118,7 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         wedge,
         wedge_vertex,
         normals,
+        fans: !has_odd,
     }
 }
 

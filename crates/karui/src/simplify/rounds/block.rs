@@ -167,13 +167,14 @@ impl Block {
             global,
             origin,
         };
-        block.link();
+        let gaps = block.link();
         block.sum_stars();
         for (star, &place) in block.star.iter_mut().zip(&block.position) {
             star.set_place(place);
         }
         block.remember(level);
-        block.classify(level.is_input());
+        let known = level.fans && block.paint.is_none();
+        block.classify(level.is_input(), known.then_some(&gaps));
         block.paint_all();
         block
     }
@@ -192,9 +193,16 @@ impl Block {
         }
     }
 
-    fn link(&mut self) {
-        for &p in self.triangle.iter().flatten() {
-            self.span[p as usize].len += 1;
+    /// Lists the triangles of every point. Returns the differences between
+    /// the ends of their fans: 0 for a closed one.
+    fn link(&mut self) -> Vec<u32> {
+        let mut gap = vec![0u32; self.span.len()];
+        for &[a, b, c] in &self.triangle {
+            for (p, next, last) in [(a, b, c), (b, c, a), (c, a, b)] {
+                self.span[p as usize].len += 1;
+                let sum = &mut gap[p as usize];
+                *sum = sum.wrapping_add(next).wrapping_sub(last);
+            }
         }
         let mut at = 0;
         for span in &mut self.span {
@@ -209,6 +217,7 @@ impl Block {
                 span.len += 1;
             }
         }
+        gap
     }
 
     fn sum_stars(&mut self) {

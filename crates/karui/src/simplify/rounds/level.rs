@@ -14,6 +14,9 @@ pub(crate) struct Level<'a> {
     /// By which power of two.
     pub scale: f32,
     pub triangle: Cow<'a, [[u32; 3]]>,
+    /// Whether the triangles at every point are known to be one fan, open or
+    /// closed.
+    pub fans: bool,
     /// Triangle of the input that every triangle has come from; empty if it is
     /// the one of the same number.
     pub source: Vec<u32>,
@@ -156,6 +159,7 @@ impl Joint {
             position: self.position.into(),
             scale: 1.0,
             triangle: self.triangle.into(),
+            fans: from.fans,
             values: from.values,
             log: from.log,
             ..self.next
