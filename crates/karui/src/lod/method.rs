@@ -127,6 +127,7 @@ fn thinned(mesh: &TriMesh, options: &SimplifyOptions<'_>, card: usize) -> Result
         stopped: thinned.stopped,
         collapses: thinned.collapses,
         blocked: Blocked::default(),
+        log: None,
     })
 }
 
@@ -149,5 +150,6 @@ fn clustered(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<Simplified
         stopped,
         collapses: joined,
         blocked: Blocked::default(),
+        log: None,
     })
 }

@@ -1,5 +1,6 @@
 //! What a caller may ask of a simplification, and what it answers.
 
+use super::log::CollapseLog;
 use crate::mesh::TriMesh;
 use crate::progress::{Progress, Silent};
 use std::fmt;
@@ -33,6 +34,9 @@ pub struct SimplifyOptions<'a> {
     /// (vertex-pair contraction, Garland & Heckbert 1997); the topology may
     /// change. Default: `None`.
     pub pairs: Option<f64>,
+    /// Whether to write down what collapses, for [`Simplified::log`]. Default:
+    /// no.
+    pub log: bool,
     /// Told about the work and asked whether to go on.
     pub progress: &'a dyn Progress,
 }
@@ -50,6 +54,7 @@ impl Default for SimplifyOptions<'_> {
             attributes: AttributeWeights::default(),
             max_normal_turn: 1.2,
             pairs: None,
+            log: false,
             progress: &Silent,
         }
     }
@@ -68,6 +73,7 @@ impl fmt::Debug for SimplifyOptions<'_> {
             .field("attributes", &self.attributes)
             .field("max_normal_turn", &self.max_normal_turn)
             .field("pairs", &self.pairs)
+            .field("log", &self.log)
             .finish_non_exhaustive()
     }
 }
@@ -242,6 +248,10 @@ pub struct Simplified {
     pub collapses: usize,
     /// Candidates that were refused, by reason, at the end of the work.
     pub blocked: Blocked,
+    /// What collapsed, if it was asked for. `None` all the same where vertices
+    /// without an edge were joined ([`SimplifyOptions::pairs`]), and from what
+    /// is no edge collapse.
+    pub log: Option<CollapseLog>,
 }
 
 /// Why a simplification went no further.

@@ -33,11 +33,6 @@ pub(super) struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// A vertex at the point.
-    pub fn vertex_of(&self, p: u32) -> u32 {
-        self.vertex.get(p as usize).copied().unwrap_or(p)
-    }
-
     /// Of values by vertex those of the points.
     pub fn gathered<'a, T: Copy + Sync + Send>(&self, values: &'a [T]) -> Cow<'a, [T]> {
         if self.vertex.is_empty() {

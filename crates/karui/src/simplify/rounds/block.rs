@@ -6,6 +6,7 @@ use super::level::Level;
 use super::paint::Paint;
 use super::partition::Cut;
 use super::planes::Planes;
+use super::record::Note;
 use super::star::Star;
 use super::sym3::Sym3;
 use crate::simplify::refused::Refused;
@@ -57,6 +58,8 @@ pub(crate) struct Rules {
     pub subset: bool,
     /// Largest error, scaled units.
     pub max_error: f32,
+    /// Whether collapses are written down.
+    pub log: bool,
 }
 
 /// A block. Points and triangles are numbered from 0 within it.
@@ -93,6 +96,8 @@ pub(super) struct Block {
     pub fan: Fan,
     pub alive: usize,
     pub collapses: usize,
+    /// The collapses, if asked for.
+    pub notes: Vec<Note>,
     pub error: f32,
     /// What was refused in the last round.
     pub refused: Refused,
@@ -160,6 +165,7 @@ impl Block {
             fan: Fan::default(),
             alive: triangle.len(),
             collapses: 0,
+            notes: Vec::new(),
             error: 0.0,
             refused: Default::default(),
             rules,

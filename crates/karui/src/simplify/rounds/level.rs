@@ -3,6 +3,7 @@
 use super::block::{Block, DEAD, Kind};
 use super::paint::{Blend, Paint, Values};
 use super::planes::Planes;
+use super::record::{Collapse, Notes};
 use glam::{Vec3, Vec4};
 use std::borrow::Cow;
 
@@ -40,6 +41,8 @@ pub(crate) struct Level<'a> {
     pub values: Values,
     /// Wedges that have become mixtures, in this order.
     pub log: Vec<Blend>,
+    /// Collapses since the input, if asked for; points are the input's.
+    pub record: Vec<Collapse>,
 }
 
 impl<'a> Level<'a> {
@@ -117,6 +120,7 @@ pub(super) struct Joint {
     triangle: Vec<[u32; 3]>,
     /// New ids of the points that several blocks share.
     shared: Vec<u32>,
+    notes: Notes,
 }
 
 impl Joint {
@@ -126,6 +130,7 @@ impl Joint {
             position: Vec::new(),
             triangle: Vec::new(),
             shared: vec![DEAD; from.position.len()],
+            notes: Notes::default(),
         }
     }
 
@@ -144,6 +149,7 @@ impl Joint {
     /// Adds what is left of these blocks, which come from that level.
     pub fn add(&mut self, from: &mut Level<'_>, blocks: &[Block]) {
         for block in blocks {
+            self.notes.add(block, from);
             let local = self.take_points(from, block);
             self.take_triangles(from, block, &local);
             if let Some(paint) = &block.paint {
@@ -162,6 +168,7 @@ impl Joint {
             fans: from.fans,
             values: from.values,
             log: from.log,
+            record: self.notes.after(from.record),
             ..self.next
         }
     }
