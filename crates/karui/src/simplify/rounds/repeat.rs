@@ -1,7 +1,8 @@
 //! Collapses that were written down, done again: where they were done, or on a
 //! surface of other shape.
 
-use super::block::{Block, DEAD, Kind, Rules, Side, root_of};
+use super::block::{Block, DEAD, Kind, Rules, root_of};
+use super::fan::Side;
 use super::level::{Joint, Level};
 use super::paint::Blend;
 use super::partition::Cut;
@@ -93,14 +94,13 @@ impl<'a> Repeat<'a> {
             cost: 0.0,
         };
         self.block.gather(&offer);
-        let edge = &self.block.fan[..self.block.first];
-        if !edge.iter().any(|side| side.edge) {
+        if self.block.fan.edge.is_empty() {
             return Err("two vertices have no edge");
         }
         match c.place {
             Place::Kept => {}
             Place::Removed => offer.place = self.block.position[removed as usize],
-            Place::New(_) if anew => offer.place = self.block.refit(kept, removed),
+            Place::New(_) if anew => offer.place = self.block.refit(&offer),
             Place::New(place) => offer.place = place * self.scale,
         }
         if !offer.place.is_finite() {
@@ -112,7 +112,7 @@ impl<'a> Repeat<'a> {
             return Ok(false);
         }
         self.block.error = self.block.error.max(error);
-        self.block.turn_fan(offer.place);
+        self.block.turn_fan(&offer);
         let repaint = self.block.plan(&offer).unwrap_or_default();
         if let Some(paint) = &self.block.paint {
             for &(to, from) in repaint.pairs.iter().filter(|pair| pair.0 != pair.1) {
@@ -128,8 +128,7 @@ impl<'a> Repeat<'a> {
     /// their last triangle by it.
     fn bequeath(&mut self, offer: &Offer) {
         let block = &self.block;
-        let edge = block.fan[..block.first].iter().filter(|side| side.edge);
-        let thirds = edge.flat_map(|side| [side.q, side.r]);
+        let thirds = block.fan.edge.iter().map(|edge| edge.1);
         for p in thirds.chain([offer.removed]) {
             if p != offer.kept && block.span[p as usize].len == 0 {
                 self.point_heir[block.global[p as usize] as usize] =
@@ -146,46 +145,46 @@ impl Block {
 
     /// Where joining two points costs least, unless that would turn a triangle
     /// over that the middle or an end would not. (Counting in the height over
-    /// the edge, as prices do, left bent and twisted bars 1.2 to 1.4 times as
-    /// far off.)
-    fn refit(&self, a: u32, b: u32) -> Vec3 {
-        let [pa, pb] = [a, b].map(|p| self.position[p as usize]);
+    /// the edge, as prices do, or a stronger pull to its middle left bent and
+    /// twisted bars farther off.)
+    fn refit(&mut self, offer: &Offer) -> Vec3 {
+        let [a, b] = [offer.kept, offer.removed];
         let best = self.free(a, b).place;
-        let facing = self.facing[a as usize] + self.facing[b as usize];
-        let facing = facing.normalize_or_zero();
-        let (mut place, mut broken) = (best, usize::MAX);
-        for choice in [best, 0.5 * (pa + pb), pa, pb] {
-            let count = self.broken(choice, [pa, pb], facing);
-            if choice.is_finite() && count < broken {
-                (place, broken) = (choice, count);
-            }
-            if broken == 0 {
-                break;
-            }
+        let [pa, pb] = [a, b].map(|p| self.position[p as usize]);
+        let choices = [best, 0.5 * (pa + pb), pa, pb];
+        let is_sound = |&place: &Vec3| self.check_turns(&Offer { place, ..*offer }).is_ok();
+        if let Some(sound) = choices.into_iter().find(is_sound) {
+            return sound;
         }
-        place
-    }
-
-    /// Triangles of the fan that would turn over or become slivers.
-    fn broken(&self, place: Vec3, ends: [Vec3; 2], facing: Vec3) -> usize {
-        let sides = self.fan.iter().enumerate().filter(|(_, side)| !side.edge);
-        let is_broken = |&(i, side): &(usize, &Side)| {
-            let ring = [side.q, side.r].map(|p| self.position[p as usize]);
-            let cross = (ring[0] - place).cross(ring[1] - place);
-            let corners = [ends[usize::from(i >= self.first)], place];
-            !self.keeps_its_side(side, cross.extend(cross.length()), ring, corners, facing)
+        let turned = |place: &Vec3| {
+            self.turned(&Offer {
+                place: *place,
+                ..*offer
+            })
         };
-        sides.filter(is_broken).count()
+        choices.into_iter().min_by_key(turned).unwrap_or(pa)
     }
 
-    /// Leaves the triangles that change their shape in `turned`, whatever
-    /// becomes of them.
-    fn turn_fan(&mut self, place: Vec3) {
-        self.turned.clear();
-        for (i, side) in self.fan.iter().enumerate().filter(|(_, side)| !side.edge) {
-            let [q, r] = [side.q, side.r].map(|p| self.position[p as usize]);
-            let cross = (q - place).cross(r - place);
-            self.turned.push((i as u32, root_of(cross, cross.length())));
+    /// Triangles of the fan that would turn over.
+    fn turned(&self, offer: &Offer) -> usize {
+        let sides = self.fan.sides.iter();
+        let turns = |side: &&Side| {
+            let [p, q, r] = self.after(offer, **side);
+            let old = self.root[side.t as usize].truncate();
+            // What is not a number turns.
+            !((q - p).cross(r - p).dot(old) >= 0.0)
+        };
+        sides.filter(turns).count()
+    }
+
+    /// Leaves the roots of the triangles that change their shape in the fan,
+    /// whatever becomes of them.
+    fn turn_fan(&mut self, offer: &Offer) {
+        self.fan.roots.clear();
+        for i in 0..self.fan.sides.len() {
+            let [p, q, r] = self.after(offer, self.fan.sides[i]);
+            let cross = (q - p).cross(r - p);
+            self.fan.roots.push(root_of(cross, cross.length()));
         }
     }
 }
