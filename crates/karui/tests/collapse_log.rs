@@ -56,10 +56,10 @@ fn moved(mesh: &TriMesh, by: impl Fn(Vec3) -> Vec3) -> TriMesh {
     pose
 }
 
-/// Half a turn about the z axis over a length of 2.
+/// A quarter of a turn about the z axis over a length of 2.
 fn twisted(mesh: &TriMesh) -> TriMesh {
     moved(mesh, |p| {
-        let (sin, cos) = (p.z * std::f32::consts::FRAC_PI_2).sin_cos();
+        let (sin, cos) = (p.z * std::f32::consts::FRAC_PI_4).sin_cos();
         Vec3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z)
     })
 }
@@ -228,7 +228,7 @@ fn poses_get_the_same_triangles_close_to_them() {
                 let still = original.level().unwrap().mesh;
                 assert_eq!(level.triangles, still.triangles);
                 let share = |of: fn(&TriMesh) -> f64| of(&level) / of(&pose);
-                // The ring's triangles are sheared by up to 57 degrees.
+                // The ring's triangles are sheared by up to 38 degrees.
                 let slack = if name == "bar" { 0.01 } else { 0.08 };
                 let (volume, area) = (share(volume), share(area));
                 // What simplifying the pose itself would give.
@@ -241,8 +241,10 @@ fn poses_get_the_same_triangles_close_to_them() {
                 assert!((volume - 1.0).abs() < slack, "{name} {how} volume {volume}");
                 assert!((area - 1.0).abs() < slack, "{name} {how} area {area}");
                 assert!(worse < carried, "{name} {how}");
-                // What is flat at rest has no triangles left to bend.
-                assert!(worse < 3.0 || name == "tower", "{name} {how}");
+                // What is flat at rest has no triangles left to bend, and what
+                // is sheared has long ones across the bend.
+                let is_hard = name == "tower" || (name, how) == ("ring", "twisted");
+                assert!(worse < 1.8 || is_hard, "{name} {how}");
                 let index = Bvh::build(&pose).unwrap();
                 let flips = flipped(&level, &index).unwrap();
                 assert!(

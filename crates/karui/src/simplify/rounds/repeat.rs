@@ -165,14 +165,14 @@ impl Block {
         choices.into_iter().min_by_key(turned).unwrap_or(pa)
     }
 
-    /// Triangles of the fan that would turn over.
+    /// Triangles of the fan that would turn by more than allowed.
     fn turned(&self, offer: &Offer) -> usize {
         let sides = self.fan.sides.iter();
         let turns = |side: &&Side| {
             let [p, q, r] = self.after(offer, **side);
-            let old = self.root[side.t as usize].truncate();
-            // What is not a number turns.
-            !((q - p).cross(r - p).dot(old) >= 0.0)
+            let (old, new) = (self.root[side.t as usize], (q - p).cross(r - p));
+            let least = self.rules.least_turn * old.w * new.length();
+            new.dot(old.truncate()) < least || !new.is_finite()
         };
         sides.filter(turns).count()
     }
