@@ -1,5 +1,4 @@
-//! Construction of [`Bvh`](super::Bvh) by the surface area heuristic (Wald,
-//! On fast construction of SAH-based bounding volume hierarchies, 2007).
+//! Top-down construction of [`Bvh`](super::Bvh).
 
 use super::bvh::{LEAF, Node};
 use crate::geom::Aabb;
@@ -107,6 +106,16 @@ fn node_over(items: &[Item], parts: &[Range<usize>], first: u32) -> Node {
         node.set(lane, bounds, LEAF | (first + part.start as u32));
     }
     node
+}
+
+impl Node {
+    /// The node with inner children `base` further on.
+    fn moved(mut self, base: u32) -> Self {
+        for child in self.child.iter_mut().filter(|c| **c & LEAF == 0) {
+            *child += base;
+        }
+        self
+    }
 }
 
 fn union(items: &[Item]) -> Aabb {
