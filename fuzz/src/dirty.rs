@@ -5,7 +5,7 @@ use karui::{
     TriMesh,
     geom::{Vec2, Vec3, Vec4},
     mesh::{MaterialRange, SkinWeights},
-    simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions, Stop, Topology},
+    simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions, Stop},
 };
 
 /// Largest number of vertices and triangles.
@@ -198,7 +198,6 @@ fn options(u: &mut Unstructured) -> Result<SimplifyOptions<'static>> {
         },
         max_normal_turn: choose(u, &[1.2, 1.2, 1.2, 0.1, 1.57])?,
         pairs: bound(u)?,
-        topology: choose(u, &[Topology::Simplify, Topology::Preserve])?,
         ..SimplifyOptions::default()
     })
 }

@@ -5,11 +5,7 @@
 
 use flate2::{Compression, write::GzEncoder};
 use karui_io::{Error, ErrorKind, Format, Place, read, read_bytes, read_poly_bytes};
-use std::{
-    fs,
-    io::Write,
-    time::{Duration, Instant},
-};
+use std::{fs, io::Write};
 
 /// What kind of error is expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +36,8 @@ fn kind(error: &Error) -> Kind {
     }
 }
 
-/// Reads the bytes both as a scene and as polygons; both must fail alike and
-/// within a second.
+/// Reads the bytes both as a scene and as polygons; both must fail alike.
 fn check(format: Format, bytes: &[u8], expected: Kind, place: Option<Place>) {
-    let start = Instant::now();
     let shown = String::from_utf8_lossy(&bytes[..bytes.len().min(60)]).into_owned();
     let error = match read_bytes(format, bytes, "x") {
         Ok(loaded) => panic!("{shown:?} loads: {:?}", loaded.warnings),
@@ -55,10 +49,6 @@ fn check(format: Format, bytes: &[u8], expected: Kind, place: Option<Place>) {
     }
     let poly = read_poly_bytes(format, bytes, "x").unwrap_err();
     assert_eq!(kind(&poly), expected, "{shown:?}: {poly}");
-    assert!(
-        start.elapsed() < Duration::from_secs(1),
-        "{shown:?} is slow"
-    );
 }
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -114,30 +104,26 @@ fn obj() {
 }
 
 #[test]
-fn obj_in_bulk_is_quick() {
-    let start = Instant::now();
+fn obj_in_bulk_is_linear() {
+    // So much of it that quadratic time would be seen as a test that hangs.
+    const MANY: usize = 600_000;
     // A face of very many corners, all at one vertex, each with its own
     // texture coordinate.
     let mut text = TRIANGLE.to_owned();
-    text += &"vt 0.5 0.5\n".repeat(60_000);
+    text += &"vt 0.5 0.5\n".repeat(MANY);
     text += "f";
-    for i in 1..=60_000 {
+    for i in 1..=MANY {
         text += &format!(" 1/{i}");
     }
     read_bytes(Format::Obj, text.as_bytes(), "x").unwrap();
     // Very many materials, a line that goes on for ever, empty lines.
     let mut text = TRIANGLE.to_owned();
-    for i in 0..60_000 {
+    for i in 0..MANY {
         text += &format!("usemtl m{i}\nf 1 2 3\n");
     }
     text += &"\\\n".repeat(100_000);
     text += &"\n".repeat(100_000);
     read_bytes(Format::Obj, text.as_bytes(), "x").unwrap();
-    assert!(
-        start.elapsed() < Duration::from_secs(5),
-        "{:?}",
-        start.elapsed()
-    );
 }
 
 /// A PLY file of a triangle, with `change` applied to its text.
@@ -446,14 +432,8 @@ fn bombs() {
         assert!(bomb.len() < 2 << 20);
         let path = folder.path().join(format!("bomb{i}.obj.gz"));
         fs::write(&path, bomb).unwrap();
-        let start = Instant::now();
         let error = read(&path).map(drop).unwrap_err();
         assert_eq!(kind(&error), Kind::TooLarge, "{error}");
-        assert!(
-            start.elapsed() < Duration::from_secs(3),
-            "{:?}",
-            start.elapsed()
-        );
     }
 }
 

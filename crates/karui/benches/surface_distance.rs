@@ -3,6 +3,7 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use karui::TriMesh;
+use karui::geom::DVec3;
 use karui::mesh::shapes;
 use karui::metrics::{
     Samples, Surface, SurfaceDistanceOptions, directed_distance, surface_distance_between,
@@ -31,6 +32,40 @@ fn build_bvh(bencher: Bencher) {
     bencher
         .counter(items)
         .bench(|| Bvh::build(black_box(&mesh)));
+}
+
+#[divan::bench(sample_count = 10)]
+fn build_bvh_quick(bencher: Bencher) {
+    let mesh = fine();
+    let items = ItemsCount::new(mesh.triangles.len());
+    bencher
+        .counter(items)
+        .bench(|| Bvh::build_quick(black_box(&mesh)));
+}
+
+/// The centres of the coarse faces on the fine mesh, each with the one before
+/// it as a hint; one thread.
+fn closest(bencher: Bencher, build: fn(&TriMesh) -> karui::error::Result<Bvh>) {
+    let (coarse, fine) = (coarse(), build(&fine()).expect("a sound mesh"));
+    let centre = |t| coarse.corners(t).iter().sum::<DVec3>() / 3.0;
+    let points: Vec<DVec3> = (0..coarse.triangles.len()).map(centre).collect();
+    bencher.counter(ItemsCount::new(points.len())).bench(|| {
+        let mut hit = fine.closest(points[0]);
+        for &point in &points {
+            hit = fine.closest_near(point, &hit);
+        }
+        hit
+    });
+}
+
+#[divan::bench(sample_count = 10)]
+fn closest_to_centres(bencher: Bencher) {
+    closest(bencher, Bvh::build);
+}
+
+#[divan::bench(sample_count = 10)]
+fn closest_to_centres_quick(bencher: Bencher) {
+    closest(bencher, Bvh::build_quick);
 }
 
 #[divan::bench(sample_count = 10)]

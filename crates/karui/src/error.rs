@@ -128,6 +128,21 @@ pub enum Error {
         /// Largest number accepted.
         limit: usize,
     },
+    /// A mesh that a collapse log is to be played on is not of the log's
+    /// connectivity.
+    #[error("the log is of another mesh: its {what} differs")]
+    OtherMesh {
+        /// What differs, e.g. `number of vertices`.
+        what: &'static str,
+    },
+    /// A collapse log that was read does not hold together.
+    #[error("collapse log, {at}: {problem}")]
+    BadLog {
+        /// Byte, or number of the collapse or triangle.
+        at: usize,
+        /// What is wrong there.
+        problem: &'static str,
+    },
     /// The [`Progress`](crate::Progress) observer asked to stop.
     #[error("cancelled")]
     Cancelled,

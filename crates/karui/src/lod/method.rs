@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::simplify::{
     Blocked, ClusterOptions, Clustered, FoliageOptions, Simplified, SimplifyOptions, Stop, Stopped,
-    TopologyChanges, cluster, foliage, simplify, simplify_chain,
+    cluster, foliage, simplify, simplify_chain,
 };
 
 /// What makes a level out of a mesh.
@@ -127,7 +127,7 @@ fn thinned(mesh: &TriMesh, options: &SimplifyOptions<'_>, card: usize) -> Result
         stopped: thinned.stopped,
         collapses: thinned.collapses,
         blocked: Blocked::default(),
-        topology: TopologyChanges::default(),
+        log: None,
     })
 }
 
@@ -150,6 +150,6 @@ fn clustered(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<Simplified
         stopped,
         collapses: joined,
         blocked: Blocked::default(),
-        topology: TopologyChanges::default(),
+        log: None,
     })
 }

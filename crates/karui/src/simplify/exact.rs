@@ -6,6 +6,7 @@ use super::guard::Guard;
 use super::options::{Blocked, Stopped};
 use super::pairs::Pairs;
 use super::refused::Refused;
+use super::rounds::{Collapse, Place};
 use super::state::State;
 use crate::error::Result;
 use crate::progress::step;
@@ -72,6 +73,8 @@ pub(crate) struct Driver<'a, 'g> {
     refused: Refused,
     error: f64,
     collapses: usize,
+    /// The collapses, if asked for.
+    record: Vec<Collapse>,
 }
 
 impl<'a, 'g> Driver<'a, 'g> {
@@ -86,6 +89,7 @@ impl<'a, 'g> Driver<'a, 'g> {
             refused: Refused::default(),
             error: 0.0,
             collapses: 0,
+            record: Vec::new(),
             pairs,
             target: Target {
                 triangles: usize::MAX,
@@ -233,11 +237,32 @@ impl<'a, 'g> Driver<'a, 'g> {
         }
         self.error = self.error.max(error);
         self.collapses += 1;
+        if self.state.options.log {
+            self.record.push(self.noted(c));
+        }
         self.around(c.removed, true);
         let former = std::mem::take(&mut self.second_ring);
         self.state.collapse(c, &mixes);
         self.after(c, former);
         Ok(())
+    }
+
+    fn noted(&self, c: &Candidate) -> Collapse {
+        let is_at = |p: u32| c.place == self.state.surface.position[p as usize];
+        Collapse {
+            kept: c.kept,
+            removed: c.removed,
+            place: match (is_at(c.kept), is_at(c.removed)) {
+                (true, _) => Place::Kept,
+                (_, true) => Place::Removed,
+                _ => Place::New(c.place.as_vec3()),
+            },
+        }
+    }
+
+    /// What collapsed, if it was asked for.
+    pub fn into_record(self) -> Vec<Collapse> {
+        self.record
     }
 
     /// Prices the edges whose cost the collapse has changed; `former` are the

@@ -1,14 +1,13 @@
 //! The round-based driver on a whole mesh.
 
-use super::options::{
-    Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop, Topology, TopologyChanges,
-};
+use super::log::Base;
+use super::options::{Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop};
 use super::output::{Left, assemble};
 use super::points::{Points, points};
 use super::rounds::{Guard, Level, Pace, Rules, Values, run};
 use super::signal::Signal;
 use super::wedges::Normals;
-use super::{blend::blend, exact::Target, target};
+use super::{attach, blend::blend, exact::Target, target};
 use crate::error::Result;
 use crate::mesh::{Attributes, TriMesh};
 use crate::spatial::Bvh;
@@ -34,6 +33,11 @@ pub(super) fn simplify_chain(
     }
     let scale = scale_of(mesh);
     let mut points = points(mesh);
+    let base = options.log.then(|| {
+        let (source, wedge) = (&points.source, &points.wedge);
+        Base::of(mesh, source, &points.triangle, wedge, points.normals)
+    });
+    let (mut record, mut ends) = (Vec::new(), Vec::new());
     let mut level = level_of(mesh, options, &mut points, scale);
     let mut attributes = if level.wedge.is_empty() {
         Attributes::default()
@@ -42,14 +46,13 @@ pub(super) fn simplify_chain(
     };
     let wants_index = options.quality == Quality::Balanced || points.normals == Normals::LookedUp;
     let index = match wants_index && !level.triangle.is_empty() {
-        true => Some(Bvh::build(mesh)?),
+        true => Some(Bvh::build_quick(mesh)?),
         false => None,
     };
     let guard = index.as_ref().map(|index| Guard { index, scale });
     let guard = guard.filter(|_| options.quality == Quality::Balanced);
     let pace = Pace { share };
     let mut done = (0, 0.0f64);
-    let mut topology = TopologyChanges::default();
     let mut chain = Vec::with_capacity(stops.len());
     for stop in stops {
         let target = target(mesh, stop);
@@ -59,11 +62,11 @@ pub(super) fn simplify_chain(
         };
         let rules = rules(options, scaled);
         let mut ran = run(level, scaled, pace, rules, guard, options.progress)?;
-        add_copies(&mut attributes, &mut ran.level);
         for change in std::mem::take(&mut ran.level.log) {
             blend(&mut attributes, change.wedge, &change.mix);
         }
-        topology.add(&ran.changes);
+        record.append(&mut ran.level.record);
+        ends.push(record.len());
         done = (
             done.0 + ran.collapses,
             done.1.max(f64::from(ran.error / scale)),
@@ -72,18 +75,20 @@ pub(super) fn simplify_chain(
             mesh: output(
                 mesh,
                 &ran.level,
-                &points,
-                &attributes,
-                index.as_ref(),
-                scale,
+                (&attributes, points.wedge_vertex.len()),
+                (points.normals, index.as_ref(), scale),
             ),
             error: done.1,
             stopped: ran.stopped,
             collapses: done.0,
             blocked: ran.blocked,
-            topology,
+            log: None,
         });
         level = ran.level;
+    }
+    if let Some(base) = base {
+        record.iter_mut().for_each(|c| c.place.scale(1.0 / scale));
+        attach(&mut chain, base, record, &ends);
     }
     Ok(Some(chain))
 }
@@ -99,14 +104,14 @@ fn rules(options: &SimplifyOptions<'_>, target: Target) -> Rules {
         lock_borders: options.border == Border::Lock,
         subset: options.placement == Placement::HalfEdge,
         max_error: target.error as f32,
-        ease: options.topology == Topology::Simplify,
+        log: options.log,
     }
 }
 
 /// A power of two, so that nothing is rounded, that brings the mesh to about
 /// unit size: prices are fourth powers of lengths, which in `f32` would
 /// otherwise run out of range.
-fn scale_of(mesh: &TriMesh) -> f32 {
+pub(super) fn scale_of(mesh: &TriMesh) -> f32 {
     let diagonal = mesh.bounds().diagonal();
     if diagonal > 0.0 && diagonal.is_finite() {
         (-diagonal.log2().round()).exp2() as f32
@@ -134,8 +139,7 @@ fn level_of<'a>(
             .unwrap_or_default(),
         triangle: std::mem::take(&mut points.triangle),
         source: std::mem::take(&mut points.source),
-        input: mesh.triangles.len(),
-        wedges: points.wedge_vertex.len(),
+        fans: points.fans,
         ..Level::default()
     };
     if !points.wedge.is_empty() {
@@ -145,17 +149,6 @@ fn level_of<'a>(
         level.values = values(mesh, options, points, scale);
     }
     level
-}
-
-/// Makes room for the wedges that have been copied; what they show is in the
-/// log.
-fn add_copies(attributes: &mut Attributes, level: &mut Level) {
-    let copies = std::mem::take(&mut level.copies);
-    if !copies.is_empty() {
-        let all: Vec<u32> = (0..level.wedges as u32).chain(copies).collect();
-        *attributes = attributes.gathered(&all);
-        level.wedges = all.len();
-    }
 }
 
 /// The attributes that count, as lengths in scaled units.
@@ -182,16 +175,14 @@ fn values(mesh: &TriMesh, options: &SimplifyOptions<'_>, points: &Points, scale:
 
 /// The triangles that are left, in the input's order, and their vertices, in
 /// the order of those they have come from.
-fn output(
+pub(super) fn output(
     source: &TriMesh,
     level: &Level,
-    points: &Points,
-    attributes: &Attributes,
-    index: Option<&Bvh>,
-    scale: f32,
+    (attributes, wedges): (&Attributes, usize),
+    (normals, index, scale): (Normals, Option<&Bvh>, f32),
 ) -> TriMesh {
     if level.wedge.is_empty() {
-        return bare_output(source, level, points, scale);
+        return bare_output(source, level, scale);
     }
     let left: Vec<Left> = (0..level.triangle.len())
         .map(|t| Left {
@@ -200,18 +191,13 @@ fn output(
             places: level.triangle[t].map(|p| level.place(p) / scale),
         })
         .collect();
-    assemble(
-        source,
-        (attributes.clone(), level.wedges),
-        points.normals,
-        &left,
-        index,
-    )
+    let attributes = (attributes.clone(), wedges);
+    assemble(source, attributes, normals, &left, index)
 }
 
-fn bare_output(source: &TriMesh, level: &Level, points: &Points, scale: f32) -> TriMesh {
+fn bare_output(source: &TriMesh, level: &Level, scale: f32) -> TriMesh {
     let order = sorted(level.triangle.len(), |t| level.source_of(t));
-    let from = |p: u32| points.vertex_of(level.origin.get(p as usize).copied().unwrap_or(p));
+    let from = |p: u32| level.origin.get(p as usize).copied().unwrap_or(p);
     let kept = sorted(level.position.len(), from);
     let mut index = vec![0; kept.len()];
     for (i, &p) in kept.iter().enumerate() {

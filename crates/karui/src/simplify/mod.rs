@@ -17,6 +17,7 @@ mod fast;
 mod features;
 mod foliage;
 mod guard;
+mod log;
 mod options;
 mod output;
 mod pairs;
@@ -33,9 +34,10 @@ mod wedges;
 
 pub use cluster::{ClusterOptions, Clustered, cluster};
 pub use foliage::{Foliage, FoliageOptions, foliage};
+pub use log::{CollapseLog, Replay, Replayed};
 pub use options::{
     AttributeWeights, Blocked, Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop,
-    Stopped, Topology, TopologyChanges,
+    Stopped,
 };
 pub use prune::{PruneOptions, Pruned, prune};
 pub use quadric::Quadric;
@@ -43,6 +45,7 @@ pub use quadric::Quadric;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use exact::{Driver, Target};
+use rounds::Collapse;
 
 /// Collapses edges of `mesh`, cheapest first, until `options.stop` is met or
 /// nothing more can go.
@@ -98,7 +101,12 @@ pub fn simplify_chain(
     if state.surface.alive == 0 {
         let rest = output::output(mesh, &prepared, &state, None);
         let level = |stop| unchanged(rest.clone(), target(mesh, stop));
-        return Ok(stops.iter().map(level).collect());
+        let mut chain: Vec<Simplified> = stops.iter().map(level).collect();
+        if options.log {
+            let ends = vec![0; chain.len()];
+            attach(&mut chain, base(mesh, &prepared), Vec::new(), &ends);
+        }
+        return Ok(chain);
     }
     let guard = guard::Guard::new(mesh)?;
     let mut driver = Driver::new(state, &guard);
@@ -110,10 +118,34 @@ pub fn simplify_chain(
             stopped: reached.stopped,
             collapses: reached.collapses,
             blocked: reached.blocked,
-            topology: TopologyChanges::default(),
+            log: None,
         })
     };
-    stops.iter().map(level).collect()
+    let mut chain: Vec<Simplified> = stops.iter().map(level).collect::<Result<_>>()?;
+    if options.log && options.pairs.is_none() {
+        let ends: Vec<usize> = chain.iter().map(|level| level.collapses).collect();
+        let base = base(mesh, &prepared);
+        attach(&mut chain, base, driver.into_record(), &ends);
+    }
+    Ok(chain)
+}
+
+fn base(mesh: &TriMesh, prepared: &wedges::Prepared) -> log::Base {
+    log::Base::of(
+        mesh,
+        &prepared.source_triangle,
+        &prepared.surface.points,
+        &prepared.surface.wedges,
+        prepared.normals,
+    )
+}
+
+/// Gives every level of a chain its part of what was written down.
+fn attach(chain: &mut [Simplified], base: log::Base, record: Vec<Collapse>, ends: &[usize]) {
+    let logs = CollapseLog::chain(base, record, ends);
+    for (level, log) in chain.iter_mut().zip(logs) {
+        level.log = Some(log);
+    }
 }
 
 fn unchanged(mesh: TriMesh, target: Target) -> Simplified {
@@ -128,7 +160,7 @@ fn unchanged(mesh: TriMesh, target: Target) -> Simplified {
         },
         collapses: 0,
         blocked: Blocked::default(),
-        topology: TopologyChanges::default(),
+        log: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a caller may ask of a simplification, and what it answers.
 
+use super::log::CollapseLog;
 use crate::mesh::TriMesh;
 use crate::progress::{Progress, Silent};
 use std::fmt;
@@ -33,9 +34,9 @@ pub struct SimplifyOptions<'a> {
     /// (vertex-pair contraction, Garland & Heckbert 1997); the topology may
     /// change. Default: `None`.
     pub pairs: Option<f64>,
-    /// Whether small parts, holes and handles may go. Default:
-    /// [`Topology::Simplify`].
-    pub topology: Topology,
+    /// Whether to write down what collapses, for [`Simplified::log`]. Default:
+    /// no.
+    pub log: bool,
     /// Told about the work and asked whether to go on.
     pub progress: &'a dyn Progress,
 }
@@ -53,7 +54,7 @@ impl Default for SimplifyOptions<'_> {
             attributes: AttributeWeights::default(),
             max_normal_turn: 1.2,
             pairs: None,
-            topology: Topology::Simplify,
+            log: false,
             progress: &Silent,
         }
     }
@@ -72,7 +73,7 @@ impl fmt::Debug for SimplifyOptions<'_> {
             .field("attributes", &self.attributes)
             .field("max_normal_turn", &self.max_normal_turn)
             .field("pairs", &self.pairs)
-            .field("topology", &self.topology)
+            .field("log", &self.log)
             .finish_non_exhaustive()
     }
 }
@@ -197,20 +198,6 @@ pub enum Border {
     Free,
 }
 
-/// Whether small parts, holes and handles may go. [`Quality::Exact`] keeps
-/// them always.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Topology {
-    /// A part may vanish, a hole of three edges be closed and a handle be cut
-    /// where it is three edges around, once that costs no more than the
-    /// collapses before. The last part stays, and so does what has locked
-    /// vertices.
-    #[default]
-    Simplify,
-    /// All stay, with the triangles that they need.
-    Preserve,
-}
-
 /// How much each kind of attribute counts, as a multiple of the scale that is
 /// derived from the mesh; 0 leaves it out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -261,27 +248,10 @@ pub struct Simplified {
     pub collapses: usize,
     /// Candidates that were refused, by reason, at the end of the work.
     pub blocked: Blocked,
-    /// How the topology has changed.
-    pub topology: TopologyChanges,
-}
-
-/// Changes of topology ([`Topology::Simplify`]).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct TopologyChanges {
-    /// Connected parts that have vanished.
-    pub parts: usize,
-    /// Holes that have been closed.
-    pub holes: usize,
-    /// Handles that have been cut.
-    pub handles: usize,
-}
-
-impl TopologyChanges {
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.parts += other.parts;
-        self.holes += other.holes;
-        self.handles += other.handles;
-    }
+    /// What collapsed, if it was asked for. `None` all the same where vertices
+    /// without an edge were joined ([`SimplifyOptions::pairs`]), and from what
+    /// is no edge collapse.
+    pub log: Option<CollapseLog>,
 }
 
 /// Why a simplification went no further.

@@ -28,14 +28,11 @@ pub(super) struct Points<'a> {
     pub wedge_vertex: Vec<u32>,
     /// What becomes of the normals.
     pub normals: Normals,
+    /// Whether the triangles at every point were one fan from the start.
+    pub fans: bool,
 }
 
 impl Points<'_> {
-    /// A vertex at the point.
-    pub fn vertex_of(&self, p: u32) -> u32 {
-        self.vertex.get(p as usize).copied().unwrap_or(p)
-    }
-
     /// Of values by vertex those of the points.
     pub fn gathered<'a, T: Copy + Sync + Send>(&self, values: &'a [T]) -> Cow<'a, [T]> {
         if self.vertex.is_empty() {
@@ -76,6 +73,7 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         }
     };
     let odd = odd_points(&triangle, ids.count);
+    let has_odd = odd.contains(&true);
     let is_bare = mesh.attributes == Attributes::default() && mesh.ranges.len() <= 1;
     let vertex = match keeps_vertices {
         true => Vec::new(),
@@ -88,8 +86,8 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         wedge: Vec::new(),
         wedge_vertex: Vec::new(),
         normals: Normals::Kept,
+        fans: !has_odd,
     };
-    let has_odd = odd.contains(&true);
     if is_bare && !has_odd {
         return points;
     }
@@ -115,6 +113,7 @@ pub(super) fn points(mesh: &TriMesh) -> Points<'_> {
         wedge,
         wedge_vertex,
         normals,
+        fans: !has_odd,
     }
 }
 

@@ -1,8 +1,10 @@
 //! Finding things in space: a hierarchy of boxes over triangles, and orders
 //! that put neighbours next to each other.
 
-mod build;
 mod bvh;
 pub mod morton;
+mod morton_build;
+mod radix;
+mod sah_build;
 
 pub use bvh::{Bvh, Hit};

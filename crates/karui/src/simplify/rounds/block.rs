@@ -6,6 +6,7 @@ use super::level::Level;
 use super::paint::Paint;
 use super::partition::Cut;
 use super::planes::Planes;
+use super::record::Note;
 use super::star::Star;
 use super::sym3::Sym3;
 use crate::simplify::refused::Refused;
@@ -57,8 +58,8 @@ pub(crate) struct Rules {
     pub subset: bool,
     /// Largest error, scaled units.
     pub max_error: f32,
-    /// Whether parts may vanish, holes close and handles be cut.
-    pub ease: bool,
+    /// Whether collapses are written down.
+    pub log: bool,
 }
 
 /// A block. Points and triangles are numbered from 0 within it.
@@ -95,6 +96,8 @@ pub(super) struct Block {
     pub fan: Fan,
     pub alive: usize,
     pub collapses: usize,
+    /// The collapses, if asked for.
+    pub notes: Vec<Note>,
     pub error: f32,
     /// What was refused in the last round.
     pub refused: Refused,
@@ -162,6 +165,7 @@ impl Block {
             fan: Fan::default(),
             alive: triangle.len(),
             collapses: 0,
+            notes: Vec::new(),
             error: 0.0,
             refused: Default::default(),
             rules,
@@ -169,13 +173,14 @@ impl Block {
             global,
             origin,
         };
-        block.link();
+        let gaps = block.link();
         block.sum_stars();
         for (star, &place) in block.star.iter_mut().zip(&block.position) {
             star.set_place(place);
         }
         block.remember(level);
-        block.classify(level.is_input());
+        let known = level.fans && block.paint.is_none();
+        block.classify(level.is_input(), known.then_some(&gaps));
         block.paint_all();
         block
     }
@@ -194,9 +199,16 @@ impl Block {
         }
     }
 
-    fn link(&mut self) {
-        for &p in self.triangle.iter().flatten() {
-            self.span[p as usize].len += 1;
+    /// Lists the triangles of every point. Returns the differences between
+    /// the ends of their fans: 0 for a closed one.
+    fn link(&mut self) -> Vec<u32> {
+        let mut gap = vec![0u32; self.span.len()];
+        for &[a, b, c] in &self.triangle {
+            for (p, next, last) in [(a, b, c), (b, c, a), (c, a, b)] {
+                self.span[p as usize].len += 1;
+                let sum = &mut gap[p as usize];
+                *sum = sum.wrapping_add(next).wrapping_sub(last);
+            }
         }
         let mut at = 0;
         for span in &mut self.span {
@@ -211,6 +223,7 @@ impl Block {
                 span.len += 1;
             }
         }
+        gap
     }
 
     fn sum_stars(&mut self) {

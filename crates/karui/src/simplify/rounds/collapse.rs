@@ -31,7 +31,7 @@ impl Block {
         Ok(())
     }
 
-    fn memory_at(&self, offer: &Offer) -> Planes {
+    pub(super) fn memory_at(&self, offer: &Offer) -> Planes {
         let moved = |p: u32| {
             let by = offer.place - self.position[p as usize];
             self.memory[p as usize].moved(by)
@@ -47,7 +47,8 @@ impl Block {
     }
 
     /// Joins the offer's points.
-    fn collapse(&mut self, offer: &Offer, memory: Planes, repaint: &Repaint) {
+    pub(super) fn collapse(&mut self, offer: &Offer, memory: Planes, repaint: &Repaint) {
+        self.note(offer);
         let (a, b) = (offer.kept, offer.removed);
         let lines = [a, b]
             .iter()

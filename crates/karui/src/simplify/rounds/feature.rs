@@ -67,11 +67,19 @@ pub(super) enum Ends {
 
 impl Block {
     /// Sorts the points by how they may move, and holds lines in place, which
-    /// the points of the input remember.
-    pub fn classify(&mut self, is_input: bool) {
+    /// the points of the input remember. `gaps` are those of
+    /// [`link`](Self::link) if every point has one fan and there are no wedges.
+    pub fn classify(&mut self, is_input: bool, gaps: Option<&Vec<u32>>) {
         let mut lines = Vec::new();
         for p in 0..self.global.len() as u32 {
-            if self.kind[p as usize] == Kind::Shared || self.is_surrounded(p) {
+            if self.kind[p as usize] == Kind::Shared {
+                continue;
+            }
+            let is_surrounded = match gaps {
+                Some(gaps) => gaps[p as usize] == 0,
+                None => self.is_surrounded(p),
+            };
+            if is_surrounded {
                 continue;
             }
             let ring = self.ring(p);

@@ -3,6 +3,7 @@
 use super::block::{Block, DEAD, Kind};
 use super::paint::{Blend, Paint, Values};
 use super::planes::Planes;
+use super::record::{Collapse, Notes};
 use glam::{Vec3, Vec4};
 use std::borrow::Cow;
 
@@ -14,6 +15,9 @@ pub(crate) struct Level<'a> {
     /// By which power of two.
     pub scale: f32,
     pub triangle: Cow<'a, [[u32; 3]]>,
+    /// Whether the triangles at every point are known to be one fan, open or
+    /// closed.
+    pub fans: bool,
     /// Triangle of the input that every triangle has come from; empty if it is
     /// the one of the same number.
     pub source: Vec<u32>,
@@ -37,12 +41,8 @@ pub(crate) struct Level<'a> {
     pub values: Values,
     /// Wedges that have become mixtures, in this order.
     pub log: Vec<Blend>,
-    /// Triangles of the input.
-    pub input: usize,
-    /// Wedges there were at the start.
-    pub wedges: usize,
-    /// Wedges that those added since have been copied from.
-    pub copies: Vec<u32>,
+    /// Collapses since the input, if asked for; points are the input's.
+    pub record: Vec<Collapse>,
 }
 
 impl<'a> Level<'a> {
@@ -120,6 +120,7 @@ pub(super) struct Joint {
     triangle: Vec<[u32; 3]>,
     /// New ids of the points that several blocks share.
     shared: Vec<u32>,
+    notes: Notes,
 }
 
 impl Joint {
@@ -129,6 +130,7 @@ impl Joint {
             position: Vec::new(),
             triangle: Vec::new(),
             shared: vec![DEAD; from.position.len()],
+            notes: Notes::default(),
         }
     }
 
@@ -147,6 +149,7 @@ impl Joint {
     /// Adds what is left of these blocks, which come from that level.
     pub fn add(&mut self, from: &mut Level<'_>, blocks: &[Block]) {
         for block in blocks {
+            self.notes.add(block, from);
             let local = self.take_points(from, block);
             self.take_triangles(from, block, &local);
             if let Some(paint) = &block.paint {
@@ -162,11 +165,10 @@ impl Joint {
             position: self.position.into(),
             scale: 1.0,
             triangle: self.triangle.into(),
+            fans: from.fans,
             values: from.values,
             log: from.log,
-            input: from.input,
-            wedges: from.wedges,
-            copies: from.copies,
+            record: self.notes.after(from.record),
             ..self.next
         }
     }

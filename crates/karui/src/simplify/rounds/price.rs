@@ -59,7 +59,7 @@ impl Block {
     /// Both may move: the place that minimises the sum of both quadrics, the
     /// best of ends and middle where that is ill-defined.
     #[inline(always)]
-    fn free(&self, a: u32, b: u32) -> Offer {
+    pub(super) fn free(&self, a: u32, b: u32) -> Offer {
         let (pa, pb) = (self.position[a as usize], self.position[b as usize]);
         let (sa, sb) = (&self.star[a as usize], &self.star[b as usize]);
         let (qa, qb) = (sa.planes(), sb.planes());

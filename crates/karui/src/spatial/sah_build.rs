@@ -1,4 +1,5 @@
-//! Top-down construction of [`Bvh`](super::Bvh).
+//! Construction of [`Bvh`](super::Bvh) by the surface area heuristic (Wald,
+//! On fast construction of SAH-based bounding volume hierarchies, 2007).
 
 use super::bvh::{LEAF, Node};
 use crate::geom::Aabb;
@@ -106,16 +107,6 @@ fn node_over(items: &[Item], parts: &[Range<usize>], first: u32) -> Node {
         node.set(lane, bounds, LEAF | (first + part.start as u32));
     }
     node
-}
-
-impl Node {
-    /// The node with inner children `base` further on.
-    fn moved(mut self, base: u32) -> Self {
-        for child in self.child.iter_mut().filter(|c| **c & LEAF == 0) {
-            *child += base;
-        }
-        self
-    }
 }
 
 fn union(items: &[Item]) -> Aabb {
