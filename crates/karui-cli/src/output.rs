@@ -125,6 +125,15 @@ fn files_below(root: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// A file of these bytes, to appear when it is published.
+pub fn staged(path: &Path, bytes: &[u8]) -> Result<Staged> {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let fail = || Failure::output(path, &std::io::ErrorKind::IsADirectory.into());
+    let staged = Staged::beside(path)?;
+    staged.bytes(name.ok_or_else(fail)?, bytes)?;
+    Ok(staged)
+}
+
 /// Writes a scene to one file and those it refers to.
 pub fn write_one(path: &Path, scene: &Scene, options: &WriteOptions) -> Result<Written> {
     check_cancelled()?;

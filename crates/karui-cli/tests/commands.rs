@@ -581,3 +581,85 @@ fn a_closed_pipe_is_no_failure() {
         String::from_utf8_lossy(&output.stderr)
     );
 }
+
+#[test]
+fn replay_any_level_of_a_log_and_of_a_pose() {
+    let folder = Folder::new();
+    folder.family("family.glb");
+    folder.ok("simplify family.glb -o coarse.glb --ratio 0.1 --log family.karuilog");
+    let ran = folder.ok("replay family.glb family.karuilog -o again.glb --map map.csv --json");
+    let scene = |name: &str| karui_io::read(folder.path(name)).unwrap();
+    let (coarse, again) = (scene("coarse.glb"), scene("again.glb"));
+    for (a, b) in coarse.meshes.iter().zip(&again.meshes) {
+        assert!(a.mesh == b.mesh);
+    }
+    assert_eq!(
+        number(&ran.json(), "/triangles/after") as usize,
+        coarse.triangle_count()
+    );
+    // Every old vertex of the first mesh leads to a new one.
+    let map = String::from_utf8(folder.read("map.csv")).unwrap();
+    let old = scene("family.glb");
+    let of_ball = map.lines().filter(|line| line.starts_with("0,"));
+    let new = of_ball.map(|line| line.rsplit(',').next().unwrap().parse::<usize>());
+    let new: Vec<usize> = new.map(Result::unwrap).collect();
+    assert_eq!(new.len(), old.meshes[0].mesh.positions.len());
+    let count = again.meshes[0].mesh.positions.len();
+    assert!((0..count).all(|v| new.contains(&v)) && new.iter().all(|&v| v < count));
+
+    let all = old.triangle_count();
+    folder.ok(&format!(
+        "replay family.glb family.karuilog -o half.glb --triangles {}",
+        all / 2
+    ));
+    assert!(scene("half.glb").triangle_count().abs_diff(all / 2) <= 2);
+
+    // Another pose: the same triangles.
+    let mut pose = old;
+    for named in &mut pose.meshes {
+        named
+            .mesh
+            .positions
+            .iter_mut()
+            .for_each(|p| p.y += 0.3 * p.x * p.x);
+    }
+    folder.scene("pose.glb", &pose);
+    folder.ok("replay pose.glb family.karuilog -o posed.glb");
+    for (a, b) in again.meshes.iter().zip(&scene("posed.glb").meshes) {
+        assert_eq!(a.mesh.triangles, b.mesh.triangles);
+        assert_ne!(a.mesh.positions, b.mesh.positions);
+    }
+}
+
+#[test]
+fn replay_refuses_what_does_not_belong_together() {
+    let folder = Folder::new();
+    folder.family("family.glb");
+    folder.scene(
+        "ball.glb",
+        &karui::Scene::from_mesh(karui::mesh::shapes::icosphere(2)),
+    );
+    folder.ok("simplify family.glb -o coarse.glb --ratio 0.1 --log family.karuilog");
+    let ran = folder.fails(2, "replay ball.glb family.karuilog -o out.glb");
+    assert!(ran.err.contains("2 meshes"), "{ran:?}");
+    let ran = folder.fails(2, "replay coarse.glb family.karuilog -o out.glb");
+    assert!(ran.err.contains("number of vertices differs"), "{ran:?}");
+    folder.write("cut.karuilog", &folder.read("family.karuilog")[..99]);
+    let ran = folder.fails(2, "replay family.glb cut.karuilog -o out.glb");
+    assert!(ran.err.contains("collapse log, "), "{ran:?}");
+    folder.fails(2, "replay family.glb coarse.glb -o out.glb");
+    folder.fails(2, "replay family.glb missing.karuilog -o out.glb");
+    folder.fails(2, "replay family.glb family.karuilog -o out.glb --ratio 2");
+    folder.fails(
+        2,
+        "simplify family.glb -o out.glb --ratio 0.1 --prune 1 --log out.karuilog",
+    );
+    folder.fails(
+        3,
+        "simplify family.glb -o out.glb --ratio 0.1 --log missing/out.karuilog",
+    );
+    folder.fails(
+        3,
+        "replay family.glb family.karuilog -o out.glb --map missing/map.csv",
+    );
+}

@@ -18,6 +18,10 @@ fn runs_and_threads_change_no_byte() {
             "simplify family.glb -o {}.glb --ratio 0.3 --json",
         ),
         (
+            "log",
+            "simplify land.ply -o {}.ply --ratio 0.2 --log {}.karuilog --json",
+        ),
+        (
             "sloppy",
             "simplify family.glb -o {}.glb --ratio 0.1 --sloppy --prune 0.1 --json",
         ),

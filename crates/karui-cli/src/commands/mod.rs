@@ -7,6 +7,7 @@ mod info;
 mod lod;
 mod man;
 mod measure;
+mod replay;
 mod simplify;
 mod validate;
 
@@ -19,6 +20,7 @@ use clap::Subcommand;
 pub enum Command {
     Lod(lod::Args),
     Simplify(simplify::Args),
+    Replay(replay::Args),
     Info(info::Args),
     Measure(measure::Args),
     Validate(validate::Args),
@@ -33,6 +35,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
     match command {
         Command::Lod(args) => lod::run(&args, console),
         Command::Simplify(args) => simplify::run(&args, console),
+        Command::Replay(args) => replay::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
         Command::Validate(args) => validate::run(&args, console),

@@ -4,14 +4,15 @@ use crate::args::{SimplifyArgs, WriteArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::output::Staged;
 use crate::table::{bytes, count, number, percent, seconds};
 use crate::{explain, output, weights};
 use anyhow::Result;
 use karui::lod::{LevelSummary, Levels, LodChain, LodOptions, SceneChain, chain_scene};
-use karui::simplify::{Stop, Stopped};
+use karui::simplify::{CollapseLog, SimplifyOptions, Stop, Stopped};
 use karui::{Scene, TriMesh, geom};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Remove triangles from a model
 ///
@@ -24,6 +25,11 @@ pub struct Args {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Also write what collapsed: `karui replay` makes any level between of it, and the same
+    /// triangles for the model in other poses
+    #[arg(long, value_name = "FILE",
+          conflicts_with_all = ["pairs", "prune", "sloppy", "sloppy_fallback", "foliage"])]
+    log: Option<PathBuf>,
     #[command(flatten)]
     stop: StopArgs,
     #[command(flatten)]
@@ -86,7 +92,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     input.require_triangles()?;
     let chain = build(args, stop, &input, console)?;
     let scene = chain.scene_at(&input.scene, 1);
+    let log = args.log.as_deref().map(|path| staged_log(path, &chain));
+    let log = log.transpose()?;
     let written = output::write_one(&args.output, &scene, &args.write.resolve())?;
+    log.map(Staged::publish).transpose()?;
     let outcome = Outcome {
         summary: chain.summary(&input.scene, 1),
         area: [area(&input.scene), area(&scene)],
@@ -105,7 +114,10 @@ fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<Sc
     let progress = console.progress();
     let options = LodOptions {
         levels: Levels::Stops(vec![stop]),
-        simplify: args.simplify.resolve(),
+        simplify: SimplifyOptions {
+            log: args.log.is_some(),
+            ..args.simplify.resolve()
+        },
         method: args.simplify.method(),
         prune: args.simplify.prune()?,
         weights: weights.as_deref().unwrap_or_default(),
@@ -114,6 +126,14 @@ fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<Sc
         ..LodOptions::default()
     };
     Ok(chain_scene(&input.scene, &options)?)
+}
+
+/// Meshes that got no coarser have no log.
+fn staged_log(path: &Path, chain: &SceneChain) -> Result<Staged> {
+    let log = |c: &Option<LodChain>| c.as_ref()?.levels.first()?.log.clone();
+    let logs: Vec<_> = chain.chains.iter().map(log).collect();
+    let logs: Vec<_> = logs.iter().map(Option::as_ref).collect();
+    output::staged(path, &CollapseLog::scene_to_bytes(&logs))
 }
 
 struct Outcome {

@@ -7,7 +7,7 @@ use super::{SceneChain, chain_scene};
 use crate::error::Result;
 use crate::mesh::{Scene, TriMesh};
 use crate::metrics::{Surface, SurfaceDistance};
-use crate::simplify::{Blocked, PruneOptions, SimplifyOptions, Stop, Stopped, prune};
+use crate::simplify::{Blocked, CollapseLog, PruneOptions, SimplifyOptions, Stop, Stopped, prune};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -56,6 +56,8 @@ pub struct LodLevel {
     pub fallback: Option<Stopped>,
     /// What stood in its way.
     pub blocked: Blocked,
+    /// What collapsed, if it was asked for; none if parts were pruned before.
+    pub log: Option<CollapseLog>,
     /// The simplifier's own estimate of the error, in the unit of the mesh.
     pub estimate: f64,
     /// Measured distance between the original (`a`) and this level (`b`), in
@@ -223,6 +225,7 @@ impl Job<'_> {
             stopped: simplified.stopped,
             fallback,
             blocked: simplified.blocked,
+            log: simplified.log.filter(|_| self.pruned.components == 0),
             estimate: simplified.error,
             distance,
             error,

@@ -10,6 +10,7 @@
 mod base;
 mod bytes;
 mod replay;
+mod scene;
 
 pub use replay::{Replay, Replayed};
 
