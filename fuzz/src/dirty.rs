@@ -5,7 +5,7 @@ use karui::{
     TriMesh,
     geom::{Vec2, Vec3, Vec4},
     mesh::{MaterialRange, SkinWeights},
-    simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions, Stop},
+    simplify::{AttributeWeights, Border, Cost, Placement, SimplifyOptions, Stop, Topology},
 };
 
 /// Largest number of vertices and triangles.
@@ -198,6 +198,7 @@ fn options(u: &mut Unstructured) -> Result<SimplifyOptions<'static>> {
         },
         max_normal_turn: choose(u, &[1.2, 1.2, 1.2, 0.1, 1.57])?,
         pairs: bound(u)?,
+        topology: choose(u, &[Topology::Simplify, Topology::Preserve])?,
         ..SimplifyOptions::default()
     })
 }

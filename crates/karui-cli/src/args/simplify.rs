@@ -4,7 +4,9 @@ use crate::failure::Failure;
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::lod::Method;
-use karui::simplify::{AttributeWeights, Border, Cost, Placement, Quality, SimplifyOptions};
+use karui::simplify::{
+    AttributeWeights, Border, Cost, Placement, Quality, SimplifyOptions, Topology,
+};
 
 /// How triangles are removed.
 #[derive(Debug, Clone, clap::Args)]
@@ -44,6 +46,10 @@ pub struct SimplifyArgs {
     /// Join parts closer than this, in model units; parts may fuse and holes close
     #[arg(long, value_name = "DISTANCE")]
     pairs: Option<f64>,
+    /// Keep every part, hole and handle; otherwise they go once they have come down to a few
+    /// triangles and that costs no more than the collapses before
+    #[arg(long)]
+    keep_topology: bool,
     /// Remove connected parts up to this size (diagonal of their box) first, in model units; the
     /// size of the largest counts as an error
     #[arg(long, value_name = "SIZE")]
@@ -63,7 +69,7 @@ pub struct SimplifyArgs {
 }
 
 /// Options that clustering has no use for.
-const SHAPING: [&str; 11] = [
+const SHAPING: [&str; 12] = [
     "quality",
     "border",
     "lock_border",
@@ -75,6 +81,7 @@ const SHAPING: [&str; 11] = [
     "color_weight",
     "skin_weight",
     "pairs",
+    "keep_topology",
 ];
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -138,6 +145,10 @@ impl SimplifyArgs {
                 skin: self.skin_weight,
             },
             pairs: self.pairs,
+            topology: match self.keep_topology {
+                true => Topology::Preserve,
+                false => Topology::Simplify,
+            },
             ..SimplifyOptions::default()
         }
     }

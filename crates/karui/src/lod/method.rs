@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::simplify::{
     Blocked, ClusterOptions, Clustered, FoliageOptions, Simplified, SimplifyOptions, Stop, Stopped,
-    cluster, foliage, simplify, simplify_chain,
+    TopologyChanges, cluster, foliage, simplify, simplify_chain,
 };
 
 /// What makes a level out of a mesh.
@@ -128,6 +128,7 @@ fn thinned(mesh: &TriMesh, options: &SimplifyOptions<'_>, card: usize) -> Result
         collapses: thinned.collapses,
         blocked: Blocked::default(),
         log: None,
+        topology: TopologyChanges::default(),
     })
 }
 
@@ -151,5 +152,6 @@ fn clustered(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<Simplified
         collapses: joined,
         blocked: Blocked::default(),
         log: None,
+        topology: TopologyChanges::default(),
     })
 }

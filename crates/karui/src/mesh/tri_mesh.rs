@@ -103,6 +103,12 @@ impl TriMesh {
             .filter(|&t| keep(t))
             .map(|t| t as u32)
             .collect();
+        self.gather_triangles(&kept);
+    }
+
+    /// Takes these triangles, in ascending order; one may be there several
+    /// times.
+    pub(crate) fn gather_triangles(&mut self, kept: &[u32]) {
         let mut next = 0;
         for range in &mut self.ranges {
             let end = range.first + range.count;
@@ -110,9 +116,9 @@ impl TriMesh {
             (range.first, range.count) = (next, count);
             next += count;
         }
-        self.triangles = gathered(&self.triangles, &kept);
+        self.triangles = gathered(&self.triangles, kept);
         for attribute in &mut self.face_attributes {
-            *attribute = attribute.gathered(&kept);
+            *attribute = attribute.gathered(kept);
         }
     }
 

@@ -1,7 +1,9 @@
 //! The round-based driver on a whole mesh.
 
 use super::log::Base;
-use super::options::{Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop};
+use super::options::{
+    Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop, Topology, TopologyChanges,
+};
 use super::output::{Left, assemble};
 use super::points::{Points, points};
 use super::rounds::{Guard, Level, Pace, Rules, Values, run};
@@ -53,6 +55,7 @@ pub(super) fn simplify_chain(
     let guard = guard.filter(|_| options.quality == Quality::Balanced);
     let pace = Pace { share };
     let mut done = (0, 0.0f64);
+    let mut topology = TopologyChanges::default();
     let mut chain = Vec::with_capacity(stops.len());
     for stop in stops {
         let target = target(mesh, stop);
@@ -62,9 +65,11 @@ pub(super) fn simplify_chain(
         };
         let rules = rules(options, scaled);
         let mut ran = run(level, scaled, pace, rules, guard, options.progress)?;
+        add_copies(&mut attributes, &mut ran.level);
         for change in std::mem::take(&mut ran.level.log) {
             blend(&mut attributes, change.wedge, &change.mix);
         }
+        topology.add(&ran.changes);
         record.append(&mut ran.level.record);
         ends.push(record.len());
         done = (
@@ -75,7 +80,7 @@ pub(super) fn simplify_chain(
             mesh: output(
                 mesh,
                 &ran.level,
-                (&attributes, points.wedge_vertex.len()),
+                (&attributes, ran.level.wedges),
                 (points.normals, index.as_ref(), scale),
             ),
             error: done.1,
@@ -83,6 +88,7 @@ pub(super) fn simplify_chain(
             collapses: done.0,
             blocked: ran.blocked,
             log: None,
+            topology,
         });
         level = ran.level;
     }
@@ -105,6 +111,8 @@ fn rules(options: &SimplifyOptions<'_>, target: Target) -> Rules {
         subset: options.placement == Placement::HalfEdge,
         max_error: target.error as f32,
         log: options.log,
+        // A log knows of collapses alone.
+        ease: options.topology == Topology::Simplify && !options.log,
     }
 }
 
@@ -140,6 +148,8 @@ fn level_of<'a>(
         triangle: std::mem::take(&mut points.triangle),
         source: std::mem::take(&mut points.source),
         fans: points.fans,
+        input: mesh.triangles.len(),
+        wedges: points.wedge_vertex.len(),
         ..Level::default()
     };
     if !points.wedge.is_empty() {
@@ -149,6 +159,17 @@ fn level_of<'a>(
         level.values = values(mesh, options, points, scale);
     }
     level
+}
+
+/// Makes room for the wedges that have been copied; what they show is in the
+/// log.
+fn add_copies(attributes: &mut Attributes, level: &mut Level) {
+    let copies = std::mem::take(&mut level.copies);
+    if !copies.is_empty() {
+        let all: Vec<u32> = (0..level.wedges as u32).chain(copies).collect();
+        *attributes = attributes.gathered(&all);
+        level.wedges = all.len();
+    }
 }
 
 /// The attributes that count, as lengths in scaled units.

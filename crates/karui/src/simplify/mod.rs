@@ -37,7 +37,7 @@ pub use foliage::{Foliage, FoliageOptions, foliage};
 pub use log::{CollapseLog, Replay, Replayed};
 pub use options::{
     AttributeWeights, Blocked, Border, Cost, Placement, Quality, Simplified, SimplifyOptions, Stop,
-    Stopped,
+    Stopped, Topology, TopologyChanges,
 };
 pub use prune::{PruneOptions, Pruned, prune};
 pub use quadric::Quadric;
@@ -119,6 +119,7 @@ pub fn simplify_chain(
             collapses: reached.collapses,
             blocked: reached.blocked,
             log: None,
+            topology: TopologyChanges::default(),
         })
     };
     let mut chain: Vec<Simplified> = stops.iter().map(level).collect::<Result<_>>()?;
@@ -161,6 +162,7 @@ fn unchanged(mesh: TriMesh, target: Target) -> Simplified {
         collapses: 0,
         blocked: Blocked::default(),
         log: None,
+        topology: TopologyChanges::default(),
     }
 }
 

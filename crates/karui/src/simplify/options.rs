@@ -37,6 +37,9 @@ pub struct SimplifyOptions<'a> {
     /// Whether to write down what collapses, for [`Simplified::log`]. Default:
     /// no.
     pub log: bool,
+    /// Whether small parts, holes and handles may go. Default:
+    /// [`Topology::Simplify`].
+    pub topology: Topology,
     /// Told about the work and asked whether to go on.
     pub progress: &'a dyn Progress,
 }
@@ -55,6 +58,7 @@ impl Default for SimplifyOptions<'_> {
             max_normal_turn: 1.2,
             pairs: None,
             log: false,
+            topology: Topology::Simplify,
             progress: &Silent,
         }
     }
@@ -74,6 +78,7 @@ impl fmt::Debug for SimplifyOptions<'_> {
             .field("max_normal_turn", &self.max_normal_turn)
             .field("pairs", &self.pairs)
             .field("log", &self.log)
+            .field("topology", &self.topology)
             .finish_non_exhaustive()
     }
 }
@@ -198,6 +203,20 @@ pub enum Border {
     Free,
 }
 
+/// Whether small parts, holes and handles may go. [`Quality::Exact`] keeps
+/// them always, and so does whoever asks for a [log](SimplifyOptions::log).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Topology {
+    /// A part may vanish, a hole of three edges be closed and a handle be cut
+    /// where it is three edges around, once that costs no more than the
+    /// collapses before. The last part stays, and so does what has locked
+    /// vertices.
+    #[default]
+    Simplify,
+    /// All stay, with the triangles that they need.
+    Preserve,
+}
+
 /// How much each kind of attribute counts, as a multiple of the scale that is
 /// derived from the mesh; 0 leaves it out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -252,6 +271,27 @@ pub struct Simplified {
     /// without an edge were joined ([`SimplifyOptions::pairs`]), and from what
     /// is no edge collapse.
     pub log: Option<CollapseLog>,
+    /// How the topology has changed.
+    pub topology: TopologyChanges,
+}
+
+/// Changes of topology ([`Topology::Simplify`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TopologyChanges {
+    /// Connected parts that have vanished.
+    pub parts: usize,
+    /// Holes that have been closed.
+    pub holes: usize,
+    /// Handles that have been cut.
+    pub handles: usize,
+}
+
+impl TopologyChanges {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.parts += other.parts;
+        self.holes += other.holes;
+        self.handles += other.handles;
+    }
 }
 
 /// Why a simplification went no further.

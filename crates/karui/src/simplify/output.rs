@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// A triangle that is left.
 pub(super) struct Left {
-    /// Triangle of the input that it has come from.
+    /// Triangle of the input that it has come from; several may from one.
     pub source: u32,
     pub wedges: [u32; 3],
     pub places: [Vec3; 3],
@@ -46,22 +46,23 @@ pub(super) fn assemble(
     left: &[Left],
     index: Option<&Bvh>,
 ) -> TriMesh {
+    let mut order: Vec<&Left> = left.iter().collect();
+    order.sort_by_key(|triangle| triangle.source);
     let mut mesh = TriMesh {
         positions: vec![Vec3::ZERO; wedges],
-        triangles: vec![[0; 3]; source.triangles.len()],
+        triangles: source.triangles.clone(),
         attributes,
         face_attributes: source.face_attributes.clone(),
         ranges: source.ranges.clone(),
     };
-    let mut alive = vec![false; source.triangles.len()];
-    for triangle in left {
-        alive[triangle.source as usize] = true;
-        mesh.triangles[triangle.source as usize] = triangle.wedges;
+    let sources: Vec<u32> = order.iter().map(|triangle| triangle.source).collect();
+    mesh.gather_triangles(&sources);
+    mesh.triangles = order.iter().map(|triangle| triangle.wedges).collect();
+    for triangle in order {
         for (&wedge, place) in triangle.wedges.iter().zip(triangle.places) {
             mesh.positions[wedge as usize] = place;
         }
     }
-    mesh.retain_triangles(|t| alive[t]);
     mesh.remove_unreferenced_vertices();
     normalise_skins(&mut mesh.attributes.skins);
     match (normals, index) {

@@ -60,6 +60,8 @@ pub(crate) struct Rules {
     pub max_error: f32,
     /// Whether collapses are written down.
     pub log: bool,
+    /// Whether parts may vanish, holes close and handles be cut.
+    pub ease: bool,
 }
 
 /// A block. Points and triangles are numbered from 0 within it.

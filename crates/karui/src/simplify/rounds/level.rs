@@ -43,6 +43,12 @@ pub(crate) struct Level<'a> {
     pub log: Vec<Blend>,
     /// Collapses since the input, if asked for; points are the input's.
     pub record: Vec<Collapse>,
+    /// Triangles of the input.
+    pub input: usize,
+    /// Wedges there were at the start.
+    pub wedges: usize,
+    /// Wedges that those added since have been copied from.
+    pub copies: Vec<u32>,
 }
 
 impl<'a> Level<'a> {
@@ -169,6 +175,9 @@ impl Joint {
             values: from.values,
             log: from.log,
             record: self.notes.after(from.record),
+            input: from.input,
+            wedges: from.wedges,
+            copies: from.copies,
             ..self.next
         }
     }

@@ -25,6 +25,7 @@ mod round;
 mod star;
 mod stream;
 mod sym3;
+mod topology;
 
 pub(crate) use block::Rules;
 pub(crate) use level::Level;
@@ -34,7 +35,7 @@ pub(crate) use repair::Guard;
 pub(crate) use repeat::Repeat;
 
 use super::exact::Target;
-use super::options::{Blocked, Stopped};
+use super::options::{Blocked, Stopped, TopologyChanges};
 use super::refused::Refused;
 use crate::error::Result;
 use crate::progress::{Progress, step};
@@ -43,6 +44,7 @@ use partition::Cut;
 use rayon::prelude::*;
 use repair::repair;
 use round::{BINS, upper_end};
+use topology::Limits;
 
 /// Share of the edges looked at that may collapse in one round.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +58,13 @@ pub(crate) struct Pace {
 const PHASE: f64 = 0.4;
 /// Triangles to go under which blocks take turns, so as to end on the count.
 const LAST: usize = 512;
+/// Topology may change once the surface has come down to one in so many of
+/// the input's triangles: before, next to nothing would come of it.
+const EASE_FROM: usize = 5;
+/// Then a phase ends when this share of its triangles is left...
+const EASE_PHASE: f64 = 0.6;
+/// ...or when collapses have become so many times as dear.
+const EASE_PRICE: f32 = 4.0;
 
 /// Triangles left under which every collapse is checked against the input:
 /// what is so coarse reaches over folds, and the work is bounded.
@@ -68,6 +77,7 @@ pub(crate) struct Ran<'a> {
     pub collapses: usize,
     pub stopped: Stopped,
     pub blocked: Blocked,
+    pub changes: TopologyChanges,
 }
 
 struct Run<'a> {
@@ -79,6 +89,11 @@ struct Run<'a> {
     error: f32,
     collapses: usize,
     refused: Refused,
+    /// Largest price paid.
+    paid: f32,
+    /// Whether topology may change, of so few triangles.
+    eases: bool,
+    changes: TopologyChanges,
 }
 
 /// Simplifies `level` to `target`.
@@ -102,6 +117,9 @@ pub(crate) fn run<'a>(
         error: 0.0,
         collapses: 0,
         refused: Refused::default(),
+        paid: 0.0,
+        eases: false,
+        changes: TopologyChanges::default(),
     };
     let mut idle = 0;
     for phase in 0.. {
@@ -109,6 +127,7 @@ pub(crate) fn run<'a>(
             break;
         }
         let before = run.collapses;
+        run.eases = rules.ease && level.triangle.len() * EASE_FROM <= level.input;
         let cut = Cut::of(&level, phase);
         level = if cut.blocks.len() > stream::FEW && run.halfway(level.triangle.len()).is_some() {
             run.stream(level, cut, rules)?
@@ -119,6 +138,9 @@ pub(crate) fn run<'a>(
         };
         // Of two cuts one has every point inside a block.
         idle = if run.collapses > before { 0 } else { idle + 1 };
+        if run.eases && run.ease(&mut level, &rules) {
+            idle = 0;
+        }
     }
     if let Some(guard) = guard {
         level = repair(level, rules, guard);
@@ -128,6 +150,7 @@ pub(crate) fn run<'a>(
         collapses: run.collapses,
         stopped: run.reason(level.triangle.len()),
         blocked: run.refused.blocked,
+        changes: run.changes,
         level,
     })
 }
@@ -137,7 +160,8 @@ impl Run<'_> {
     /// does. Never the last of two cuts: what lies on it would stay dense.
     fn halfway(&self, start: usize) -> Option<usize> {
         let middle = (start as f64 * self.target.triangles as f64).sqrt();
-        let enough = middle.max(start as f64 * PHASE) as usize;
+        let share = if self.eases { EASE_PHASE } else { PHASE };
+        let enough = middle.max(start as f64 * share) as usize;
         (enough > self.target.triangles + start / 10).then_some(enough)
     }
 
@@ -145,7 +169,9 @@ impl Run<'_> {
     /// done or nothing happens any more. Returns what each round did.
     fn phase(&mut self, blocks: &mut [Block]) -> Result<Vec<Step>> {
         let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
-        let enough = self.halfway(all(blocks)).filter(|_| blocks.len() > 1);
+        let enough = self.halfway(all(blocks));
+        let enough = enough.filter(|_| blocks.len() > 1 || self.eases);
+        let dear = EASE_PRICE * self.paid;
         let least = enough.unwrap_or(0).max(self.target.triangles);
         let mut steps = Vec::new();
         loop {
@@ -158,10 +184,30 @@ impl Run<'_> {
                 break;
             };
             steps.push(round);
+            self.paid = self.paid.max(upper_end(round.bin));
+            if self.eases && dear > 0.0 && self.paid > dear {
+                break;
+            }
         }
         self.refused = Refused::default();
         blocks.iter().for_each(|b| self.count(b));
         Ok(steps)
+    }
+
+    /// Changes the topology where that is cheap; whether it did.
+    fn ease(&mut self, level: &mut Level<'_>, rules: &Rules) -> bool {
+        let limits = Limits {
+            price: self.paid,
+            error: rules.max_error,
+            triangles: self.target.triangles,
+            lock_borders: rules.lock_borders,
+        };
+        if level.triangle.len() <= limits.triangles {
+            return false;
+        }
+        let changes = level.ease(&limits);
+        self.changes.add(&changes);
+        changes != TopologyChanges::default()
     }
 
     fn report(&self, alive: usize) -> Result<()> {

@@ -63,6 +63,21 @@ impl Planes {
         }
     }
 
+    /// Their area.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Half of them.
+    pub fn halved(&self) -> Self {
+        Self {
+            matrix: self.matrix.map(|v| 0.5 * v),
+            linear: 0.5 * self.linear,
+            constant: 0.5 * self.constant,
+            area: 0.5 * self.area,
+        }
+    }
+
     /// Root mean square distance of the point from the planes.
     pub fn distance(&self) -> f32 {
         if self.area > 0.0 {

@@ -36,6 +36,7 @@ impl<'a> Repeat<'a> {
             subset: false,
             max_error: f32::INFINITY,
             log: false,
+            ease: false,
         };
         let block = Cut::whole(&level).into_blocks(&level, rules).pop()?;
         let mut local = vec![DEAD; level.position.len()];
