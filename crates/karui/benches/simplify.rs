@@ -75,3 +75,23 @@ fn landscape(bencher: Bencher<'_, '_>, (quality, ratio): (Quality, f64)) {
         .counter(ItemsCount::new(mesh.triangles.len()))
         .bench(|| simplify(&mesh, &options));
 }
+
+/// The log of 69,696 triangles to 1 %, played to its end: on the mesh itself,
+/// and on a pose, with places found anew. Items are collapses.
+#[divan::bench(args = [false, true], sample_count = 5)]
+fn replay(bencher: Bencher<'_, '_>, posed: bool) {
+    let mut mesh = shapes::landscape(264, 132, 7);
+    let options = SimplifyOptions {
+        stop: Stop::ratio(0.01),
+        log: true,
+        ..SimplifyOptions::default()
+    };
+    let log = simplify(&mesh, &options).ok().and_then(|coarse| coarse.log);
+    let Some(log) = log else { return };
+    if posed {
+        mesh.positions.iter_mut().for_each(|p| p.z += 0.1 * p.x);
+    }
+    bencher
+        .counter(ItemsCount::new(log.len()))
+        .bench(|| log.level(&mesh, Stop::default()));
+}
