@@ -141,7 +141,7 @@ impl Block {
     }
 
     /// Wedge of `p` in triangle `t`, and the triangle's material range.
-    fn aspect(&self, t: u32, p: u32) -> (u32, u32) {
+    pub fn aspect(&self, t: u32, p: u32) -> (u32, u32) {
         match &self.paint {
             None => (0, 0),
             Some(paint) => (self.wedge_at(t, p), paint.range[t as usize]),

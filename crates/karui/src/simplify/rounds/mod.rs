@@ -13,6 +13,7 @@ mod fan;
 mod feature;
 mod lanes;
 mod level;
+mod mend;
 mod paint;
 mod partition;
 mod planes;

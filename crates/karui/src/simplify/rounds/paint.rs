@@ -165,6 +165,12 @@ impl Paint {
         part(0) + part(1) + part(2)
     }
 
+    /// Twice the signed area of a triangle with these wedges in texture space.
+    pub fn uv_area(&self, set: usize, wedges: [u32; 3]) -> f32 {
+        let [a, b, c] = wedges.map(|w| self.uv(set, w));
+        (b - a).perp_dot(c - a)
+    }
+
     /// A UV of a wedge.
     pub fn uv(&self, set: usize, wedge: u32) -> Vec2 {
         let at = wedge as usize * self.width + set;

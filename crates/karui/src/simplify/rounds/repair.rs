@@ -1,8 +1,8 @@
 //! Turns back what shows its back: triangles that oppose the input's triangle
-//! nearest to them. They are few, and appear where the surface is thin or
+//! nearest to them, by collapses or else by [`super::mend`]. They are few, and appear where the surface is thin or
 //! folded more finely than the simplified one can follow.
 
-use super::block::{Block, DEAD, Rules};
+use super::block::{Block, Rules};
 use super::level::Level;
 use super::partition::Cut;
 use super::price::Offer;
@@ -29,13 +29,19 @@ impl Guard<'_> {
         let theirs = normal_times_two_areas(self.index.corners(hit.slot));
         normal_times_two_areas([a, b, c]).dot(theirs) < 0.0
     }
+
+    /// The place on the input nearest to one, both in scaled units.
+    pub fn nearest(&self, place: Vec3) -> Vec3 {
+        let hit = self.index.closest((place / self.scale).as_dvec3());
+        hit.point.as_vec3() * self.scale
+    }
 }
 
 /// Passes over what is left to be repaired.
-const PASSES: usize = 4;
+const PASSES: usize = 6;
 
-/// Collapses an edge of every triangle that opposes the input, if that leaves
-/// fewer of them.
+/// Collapses an edge of every triangle that opposes the input, swaps one or
+/// moves a corner, if that leaves fewer of them.
 pub(crate) fn repair<'a>(level: Level<'a>, rules: Rules, guard: Guard<'_>) -> Level<'a> {
     let bad: Vec<u32> = (0..level.triangle.len() as u32)
         .into_par_iter()
@@ -45,15 +51,8 @@ pub(crate) fn repair<'a>(level: Level<'a>, rules: Rules, guard: Guard<'_>) -> Le
         return level;
     }
     let mut blocks = Cut::whole(&level).into_blocks(&level, rules);
-    for _ in 0..PASSES {
-        let mut left = false;
-        for &t in &bad {
-            left |= blocks.iter_mut().any(|b| !b.turn_back(t, guard));
-        }
-        if !left {
-            break;
-        }
-    }
+    // Uncut, there is one, whose triangles have the level's numbers.
+    blocks.iter_mut().for_each(|b| b.repair(bad.clone(), guard));
     level.join(&blocks)
 }
 
@@ -62,22 +61,46 @@ impl Block {
         self.triangle[t as usize].map(|p| self.position[p as usize])
     }
 
-    /// Whether triangle `t` no longer opposes the input, be it because it is
-    /// gone.
-    fn turn_back(&mut self, t: u32, guard: Guard<'_>) -> bool {
-        let points = self.triangle[t as usize];
-        if points[0] == DEAD || !guard.opposes(self.corners(t)) {
-            return true;
+    /// Cures these triangles, and those that come to oppose the input for
+    /// fewer of them to do so.
+    fn repair(&mut self, mut bad: Vec<u32>, guard: Guard<'_>) {
+        for _ in 0..PASSES {
+            let mut next = Vec::new();
+            let mut changes = false;
+            for t in bad {
+                if !self.is_bad(t, guard) {
+                    continue;
+                }
+                let mut changed = self.turn_back(t, guard);
+                if changed.is_empty() {
+                    changed = self.mend(t, guard);
+                }
+                changes |= !changed.is_empty();
+                next.push(t);
+                next.extend(changed);
+            }
+            if !changes {
+                break;
+            }
+            next.sort_unstable();
+            next.dedup();
+            bad = next;
         }
+    }
+
+    /// Collapses an edge of triangle `t` if that leaves fewer that oppose the
+    /// input; returns the triangles that have changed.
+    fn turn_back(&mut self, t: u32, guard: Guard<'_>) -> Vec<u32> {
+        let points = self.triangle[t as usize];
         for k in 0..3 {
             let (p, q) = (points[k], points[(k + 1) % 3]);
             for offer in self.choices(p, q) {
                 if self.improves(&offer, guard) && self.accept(&offer, None).is_ok() {
-                    return true;
+                    return self.triangles_at(offer.kept).to_vec();
                 }
             }
         }
-        false
+        Vec::new()
     }
 
     /// Ways to join two points: where it costs least, and at either end.
