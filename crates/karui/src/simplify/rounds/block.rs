@@ -46,7 +46,7 @@ pub(super) struct Span {
 }
 
 /// What the blocks of one simplification have in common.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Rules {
     /// Least cosine between a triangle's normals before and after a collapse.
     pub least_turn: f32,

@@ -348,14 +348,6 @@ mod tests {
     use crate::mesh::{TriMesh, shapes};
     use crate::spatial::Bvh;
 
-    const RULES: Rules = Rules {
-        least_turn: 0.0,
-        hold_borders: true,
-        lock_borders: false,
-        subset: false,
-        max_error: f32::INFINITY,
-    };
-
     /// The mesh as a block; every triangle of its own material if asked.
     fn block(mesh: &TriMesh, materials: bool) -> Block {
         let mut level = Level {
@@ -368,7 +360,11 @@ mod tests {
             level.wedge = mesh.triangles.clone();
             level.range = (0..mesh.triangles.len() as u32).collect();
         }
-        let mut blocks = Cut::whole(&level).into_blocks(&level, RULES);
+        let rules = Rules {
+            max_error: f32::INFINITY,
+            ..Rules::default()
+        };
+        let mut blocks = Cut::whole(&level).into_blocks(&level, rules);
         assert_eq!(blocks.len(), 1);
         blocks.remove(0)
     }
@@ -414,8 +410,13 @@ mod tests {
         let mut sorted = block.triangle.clone();
         sorted.iter_mut().for_each(|t| t.sort_unstable());
         assert_eq!(listed(&block), sorted);
-        sorted.sort_unstable();
-        assert_eq!(sorted, [[0, 1, 2], [0, 2, 3]]);
+        let mut of_mesh = sorted;
+        for t in &mut of_mesh {
+            *t = t.map(|p| block.global[p as usize]);
+            t.sort_unstable();
+        }
+        of_mesh.sort_unstable();
+        assert_eq!(of_mesh, [[0, 1, 2], [0, 2, 3]]);
     }
 
     #[test]
