@@ -34,8 +34,8 @@ pub struct SimplifyOptions<'a> {
     /// (vertex-pair contraction, Garland & Heckbert 1997); the topology may
     /// change. Default: `None`.
     pub pairs: Option<f64>,
-    /// Whether to write down what collapses, for [`Simplified::log`]. Default:
-    /// no.
+    /// Whether to write down what collapses, for [`Simplified::log`]; turned
+    /// triangles are then not mended but by collapses. Default: no.
     pub log: bool,
     /// Whether small parts, holes and handles may go. Default:
     /// [`Topology::Simplify`].

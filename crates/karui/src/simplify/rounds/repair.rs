@@ -72,7 +72,8 @@ impl Block {
                     continue;
                 }
                 let mut changed = self.turn_back(t, guard);
-                if changed.is_empty() {
+                // A log holds nothing but collapses.
+                if changed.is_empty() && !self.rules.log {
                     changed = self.mend(t, guard);
                 }
                 changes |= !changed.is_empty();
