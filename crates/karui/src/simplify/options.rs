@@ -161,7 +161,7 @@ pub enum Quality {
     /// Triangles may oppose the input's nearest to them.
     Fast,
     /// More rounds; triangles that oppose the input are repaired at the end
-    /// where an edge collapse can.
+    /// where an edge collapse, a swap or a moved corner can.
     #[default]
     Balanced,
     /// Strictly the cheapest collapse next, every price renewed after each,
