@@ -34,9 +34,7 @@ pub fn advice(stopped: Stopped) -> Option<&'static str> {
         Stopped::Target | Stopped::Exhausted => None,
         Stopped::ErrorBound => Some("a larger error goes further"),
         Stopped::Locked => Some("`--border preserve` (without `--lock-border`) goes further"),
-        Stopped::Topology => Some(
-            "`--pairs DISTANCE` joins parts and goes further; so may leaving out `--keep-topology`",
-        ),
+        Stopped::Topology => Some("`--pairs DISTANCE` joins parts and goes further"),
         Stopped::Seams => Some("fewer materials or UV charts in the input would go further"),
         Stopped::Flips => Some("`--border free` or `--placement optimal` may go further"),
     }

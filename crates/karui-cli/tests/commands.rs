@@ -229,9 +229,9 @@ fn simplify_sloppily_and_as_a_fallback() {
         plain.json()["stopped"][0]["reason"]
     );
 
-    // Where parts may vanish, edge collapse gets there.
+    // The small one may vanish, the others are larger than any error so far.
     let eased = folder.ok("simplify balls.ply -o eased.ply --triangles 200 --json");
-    assert!(number(&eased.json(), "/triangles/after") <= 200.0);
+    assert!((200.0..before).contains(&number(&eased.json(), "/triangles/after")));
 
     folder.ok("simplify balls.ply -o sloppy.ply --triangles 200 --sloppy");
     assert!((1..=200).contains(&after("sloppy.ply")));

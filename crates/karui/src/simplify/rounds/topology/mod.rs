@@ -32,9 +32,8 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Whether something of this area may be off by half of `size`.
-    fn allow(&self, area: f32, size: f32) -> bool {
-        let distance = 0.5 * size;
+    /// Whether so large an area may be off by `distance`.
+    fn allow(&self, area: f32, distance: f32) -> bool {
         distance <= self.error && area * distance * distance <= self.price
     }
 }
@@ -80,12 +79,12 @@ impl Level<'_> {
         wedges.zip(corner).map_or(0, |(wedges, k)| wedges[k])
     }
 
-    /// Area and longest side of a triangle.
+    /// Area of a triangle, and half its longest side.
     fn extent(&self, points: [u32; 3]) -> (f32, f32) {
         let [a, b, c] = points.map(|p| self.place(p));
         let area = 0.5 * (b - a).cross(c - a).length();
         let longest =
             |p: Vec3, q: Vec3, r: Vec3| p.distance(q).max(q.distance(r)).max(r.distance(p));
-        (area, longest(a, b, c))
+        (area, 0.5 * longest(a, b, c))
     }
 }
