@@ -12,7 +12,7 @@ use super::wedges::Normals;
 use super::{attach, blend::blend, exact::Target, target};
 use crate::error::Result;
 use crate::mesh::{Attributes, TriMesh};
-use crate::spatial::Bvh;
+use crate::spatial::{Bvh, Facings};
 use rayon::prelude::*;
 
 /// As [`super::simplify_chain`], in rounds; none if the options or the mesh
@@ -51,8 +51,15 @@ pub(super) fn simplify_chain(
         true => Some(Bvh::build_quick(mesh)?),
         false => None,
     };
-    let guard = index.as_ref().map(|index| Guard { index, scale });
-    let guard = guard.filter(|_| options.quality == Quality::Balanced);
+    let guarded = index.as_ref();
+    let guarded = guarded.filter(|_| options.quality == Quality::Balanced);
+    let facings = guarded.map(Facings::of);
+    let guard = guarded.zip(facings.as_ref());
+    let guard = guard.map(|(index, facings)| Guard {
+        index,
+        facings,
+        scale,
+    });
     let pace = Pace { share };
     let mut done = (0, 0.0f64);
     let mut topology = TopologyChanges::default();

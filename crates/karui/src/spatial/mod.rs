@@ -2,9 +2,11 @@
 //! that put neighbours next to each other.
 
 mod bvh;
+mod facings;
 pub mod morton;
 mod morton_build;
 mod radix;
 mod sah_build;
 
 pub use bvh::{Bvh, Hit};
+pub use facings::{Facings, Normals};

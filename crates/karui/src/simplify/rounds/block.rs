@@ -105,8 +105,8 @@ pub(super) struct Block {
     pub refused: Refused,
     /// Ids of the points in the level.
     pub global: Vec<u32>,
-    /// Ids of the triangles in the level.
-    pub origin: Vec<u32>,
+    /// Triangles of the input that the triangles have come from.
+    pub source: Vec<u32>,
 }
 
 /// Unit normal times the root of the area, and that root, of a triangle whose
@@ -173,7 +173,7 @@ impl Block {
             rules,
             triangle,
             global,
-            origin,
+            source: origin.iter().map(|&t| level.source_of(t)).collect(),
         };
         let gaps = block.link();
         block.sum_stars();

@@ -17,14 +17,14 @@ impl Block {
         self.gather(offer);
         self.check_link(offer)?;
         self.check_turns(offer)?;
-        if guard.is_some_and(|guard| self.turns_against(offer, guard)) {
-            return Err(Refusal::Flips);
-        }
         let repaint = self.plan(offer)?;
         let memory = self.memory_at(offer);
         let error = memory.distance();
         if error > self.rules.max_error {
             return Err(Refusal::Error);
+        }
+        if guard.is_some_and(|guard| self.turns_against(offer, guard)) {
+            return Err(Refusal::Flips);
         }
         self.error = self.error.max(error);
         self.collapse(offer, memory, &repaint);
@@ -37,13 +37,6 @@ impl Block {
             self.memory[p as usize].moved(by)
         };
         moved(offer.kept).plus(&moved(offer.removed))
-    }
-
-    /// Whether one of the triangles that change comes to oppose the input.
-    fn turns_against(&self, offer: &Offer, guard: Guard<'_>) -> bool {
-        self.fan.sides.iter().any(|&side| {
-            guard.opposes(self.after(offer, side)) && !guard.opposes(self.corners(side.t))
-        })
     }
 
     /// Joins the offer's points.

@@ -157,7 +157,7 @@ impl Joint {
         for block in blocks {
             self.notes.add(block, from);
             let local = self.take_points(from, block);
-            self.take_triangles(from, block, &local);
+            self.take_triangles(block, &local);
             if let Some(paint) = &block.paint {
                 self.next.take_wedges(block, paint);
                 from.repaint(paint);
@@ -182,11 +182,11 @@ impl Joint {
         }
     }
 
-    fn take_triangles(&mut self, from: &Level<'_>, block: &Block, local: &[u32]) {
+    fn take_triangles(&mut self, block: &Block, local: &[u32]) {
         for (t, points) in block.triangle.iter().enumerate() {
             if points[0] != DEAD {
                 self.triangle.push(points.map(|p| local[p as usize]));
-                self.next.source.push(from.source_of(block.origin[t]));
+                self.next.source.push(block.source[t]);
             }
         }
     }

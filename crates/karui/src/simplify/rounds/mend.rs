@@ -346,7 +346,7 @@ mod tests {
     use super::super::partition::Cut;
     use super::*;
     use crate::mesh::{TriMesh, shapes};
-    use crate::spatial::Bvh;
+    use crate::spatial::{Bvh, Facings};
 
     /// The mesh as a block; every triangle of its own material if asked.
     fn block(mesh: &TriMesh, materials: bool) -> Block {
@@ -399,8 +399,10 @@ mod tests {
     #[test]
     fn an_edge_outside_is_swapped_for_the_one_inside() {
         let index = Bvh::build(&dart(true)).unwrap();
+        let facings = Facings::of(&index);
         let guard = Guard {
             index: &index,
+            facings: &facings,
             scale: 1.0,
         };
         let mut block = block(&dart(false), false);
@@ -422,8 +424,10 @@ mod tests {
     #[test]
     fn an_edge_between_materials_stays() {
         let index = Bvh::build(&dart(true)).unwrap();
+        let facings = Facings::of(&index);
         let guard = Guard {
             index: &index,
+            facings: &facings,
             scale: 1.0,
         };
         let mut block = block(&dart(false), true);
@@ -435,8 +439,10 @@ mod tests {
     fn a_point_behind_its_neighbours_comes_back() {
         let mesh = shapes::terrain(6, 6, 1);
         let index = Bvh::build(&mesh).unwrap();
+        let facings = Facings::of(&index);
         let guard = Guard {
             index: &index,
+            facings: &facings,
             scale: 1.0,
         };
         let mut moved = mesh.clone();

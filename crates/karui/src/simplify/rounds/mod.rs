@@ -7,6 +7,7 @@
 //! What is chosen depends on the mesh and the options alone, so the result is
 //! the same for any number of threads.
 
+mod against;
 mod block;
 mod collapse;
 mod fan;
@@ -67,9 +68,11 @@ const EASE_PHASE: f64 = 0.6;
 /// ...or when collapses have become so many times as dear.
 const EASE_PRICE: f32 = 4.0;
 
-/// Triangles left under which every collapse is checked against the input:
-/// what is so coarse reaches over folds, and the work is bounded.
-const GUARDED: usize = 4096;
+/// Triangles, as a multiple of the target, from which on every collapse is
+/// checked against the input. What is left of what came before is mended.
+const GUARDED: usize = 3;
+/// Triangles below which all are checked whatever the target.
+const FEW_LEFT: usize = 4096;
 
 /// How far a run came.
 pub(crate) struct Ran<'a> {
@@ -166,6 +169,13 @@ impl Run<'_> {
         (enough > self.target.triangles + start / 10).then_some(enough)
     }
 
+    /// The guard, if collapses are to be checked at so many triangles.
+    fn guard_at(&self, alive: usize) -> Option<Guard<'_>> {
+        let target = self.target.triangles;
+        let near = alive <= FEW_LEFT.max(target.saturating_mul(GUARDED));
+        self.guard.filter(|_| near || target == 0)
+    }
+
     /// Rounds over these blocks until the target is met, the phase's share is
     /// done or nothing happens any more. Returns what each round did.
     fn phase(&mut self, blocks: &mut [Block]) -> Result<Vec<Step>> {
@@ -245,7 +255,7 @@ impl Run<'_> {
         let excess = alive - self.target.triangles;
         let last = excess <= LAST.max(alive / 32);
         let wanted = (self.pace.share * edges as f64) as usize;
-        let guard = self.guard.filter(|_| alive <= GUARDED);
+        let guard = self.guard_at(alive);
         // A round that moves nothing is tried again with dearer edges.
         let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
         while let Some(bin) = quantile(&counts, wish) {

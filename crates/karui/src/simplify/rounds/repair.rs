@@ -7,7 +7,7 @@ use super::level::Level;
 use super::partition::Cut;
 use super::price::Offer;
 use crate::geom::normal_times_two_areas;
-use crate::spatial::Bvh;
+use crate::spatial::{Bvh, Facings};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -16,6 +16,8 @@ use rayon::prelude::*;
 pub(crate) struct Guard<'a> {
     /// Index over the input.
     pub index: &'a Bvh,
+    /// Which ways it faces.
+    pub facings: &'a Facings,
     /// Scaled units in a model unit.
     pub scale: f32,
 }

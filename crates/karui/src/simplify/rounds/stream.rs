@@ -6,6 +6,7 @@
 use super::block::{Block, Rules};
 use super::level::{Joint, Level};
 use super::partition::Cut;
+use super::repair::Guard;
 use super::round::BINS;
 use super::{Run, Step};
 use crate::error::Result;
@@ -51,9 +52,10 @@ impl Run<'_> {
         while !rest.is_empty() {
             self.report(alive)?;
             let group = rest.split_off(rest.len().saturating_sub(size));
+            let guard = self.guard_at(alive);
             let run = |bins: &mut Vec<u32>, origin| {
                 let mut block = take(&level, origin);
-                block.follow(&steps, bins);
+                block.follow(&steps, bins, guard);
                 block
             };
             let blocks: Vec<Block> = group
@@ -107,11 +109,11 @@ fn sampled(blocks: Vec<Vec<u32>>) -> (Vec<Vec<u32>>, Vec<Vec<u32>>) {
 
 impl Block {
     /// Goes through the rounds that others went through.
-    fn follow(&mut self, steps: &[Step], bins: &mut [u32]) {
+    fn follow(&mut self, steps: &[Step], bins: &mut [u32], guard: Option<Guard<'_>>) {
         for step in steps {
             bins.fill(0);
             self.look(bins);
-            step.take(self, bins, None);
+            step.take(self, bins, guard);
         }
     }
 }

@@ -1,0 +1,77 @@
+//! Whether a collapse shows the input's back.
+
+use super::block::Block;
+use super::price::Offer;
+use super::repair::Guard;
+use crate::geom::normal_times_two_areas;
+use crate::spatial::Normals;
+use glam::Vec3;
+
+/// A triangle after a collapse, in model units.
+struct After {
+    corners: [Vec3; 3],
+    center: Vec3,
+    /// Unit normal.
+    normal: Vec3,
+    /// Triangle of the input that it has come from.
+    source: u32,
+    /// How far the input is from its centre, at most.
+    reach: f32,
+}
+
+impl Guard<'_> {
+    /// Whether a triangle faces away from the input's triangle nearest to its
+    /// centre.
+    fn is_against(&self, after: &After) -> bool {
+        let own = Normals::NONE.with(after.normal);
+        if self.agrees(after.center, after.reach, own) {
+            return false;
+        }
+        let slot = self.facings.slot_of(after.source);
+        let hit = self.index.closest_from(after.center.as_dvec3(), slot);
+        let theirs = normal_times_two_areas(self.index.corners(hit.slot));
+        normal_times_two_areas(after.corners.map(|p| p.as_dvec3())).dot(theirs) < 0.0
+    }
+
+    fn agrees(&self, center: Vec3, radius: f32, normals: Normals) -> bool {
+        let (index, facings) = (self.index, self.facings);
+        facings.agree(index, center, radius, normals)
+    }
+}
+
+impl Block {
+    /// Whether one of the triangles that change comes to oppose the input.
+    pub fn turns_against(&self, offer: &Offer, guard: Guard<'_>) -> bool {
+        let place = offer.place / guard.scale;
+        let (mut radius, mut normals) = (0.0f32, Normals::NONE);
+        for i in 0..self.fan.sides.len() {
+            let after = self.triangle_after(offer, i, guard);
+            radius = radius.max(after.reach + after.center.distance(place));
+            normals = normals.with(after.normal);
+        }
+        // What is nearest to any of the centres lies within this sphere.
+        if guard.agrees(place, radius, normals) {
+            return false;
+        }
+        (0..self.fan.sides.len()).any(|i| {
+            guard.is_against(&self.triangle_after(offer, i, guard))
+                && !guard.opposes(self.corners(self.fan.sides[i].t))
+        })
+    }
+
+    fn triangle_after(&self, offer: &Offer, i: usize, guard: Guard<'_>) -> After {
+        let (side, root) = (self.fan.sides[i], self.fan.roots[i]);
+        let corners = self.after(offer, side).map(|p| p / guard.scale);
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let source = self.source[side.t as usize];
+        let slot = guard.facings.slot_of(source);
+        let [there, ..] = guard.index.corners(slot);
+        After {
+            corners,
+            center,
+            normal: root.truncate() / root.w,
+            source,
+            reach: center.distance(there.as_vec3()),
+        }
+    }
+}
