@@ -152,16 +152,16 @@ impl Ways {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::{closest_barycentric, interpolate};
     use crate::mesh::shapes;
 
-    /// Every triangle one by one, by its box.
+    /// Every triangle one by one.
     fn by_definition(index: &Bvh, center: Vec3, radius: f32, normals: [Vec3; 2]) -> bool {
         (0..index.len() as u32).all(|slot| {
-            let corners = index.corners(slot);
-            let far = corners.iter().map(|c| c.as_vec3().distance(center));
-            let side = corners[0].distance(corners[1]) + corners[1].distance(corners[2]);
+            let (corners, center) = (index.corners(slot), center.as_dvec3());
+            let nearest = interpolate(corners, closest_barycentric(center, corners));
             let normal = normal_times_two_areas(corners).as_vec3();
-            far.fold(f32::INFINITY, f32::min) > radius + side as f32
+            nearest.distance(center) > f64::from(radius)
                 || normals.iter().all(|n| n.dot(normal) > 0.0)
         })
     }

@@ -28,9 +28,11 @@ impl Guard<'_> {
             return false;
         }
         let slot = self.facings.slot_of(after.source);
-        let hit = self.index.closest_from(after.center.as_dvec3(), slot);
+        // Not from the rounded centre, which may be nearer to another sheet.
+        let [a, b, c] = after.corners.map(|p| p.as_dvec3());
+        let hit = self.index.closest_from((a + b + c) / 3.0, slot);
         let theirs = normal_times_two_areas(self.index.corners(hit.slot));
-        normal_times_two_areas(after.corners.map(|p| p.as_dvec3())).dot(theirs) < 0.0
+        normal_times_two_areas([a, b, c]).dot(theirs) < 0.0
     }
 
     fn agrees(&self, center: Vec3, radius: f32, normals: Normals) -> bool {
