@@ -46,6 +46,10 @@ pub struct SimplifyArgs {
     /// Join parts closer than this, in model units; parts may fuse and holes close
     #[arg(long, value_name = "DISTANCE")]
     pairs: Option<f64>,
+    /// Prefer even triangles: a way along the surface counts this much of one off it; 0.1 is mild,
+    /// 0.5 strong
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    regularity: f64,
     /// Keep every part, hole and handle; otherwise they go once they have come down to a few
     /// triangles and that costs no more than the collapses before
     #[arg(long)]
@@ -69,7 +73,7 @@ pub struct SimplifyArgs {
 }
 
 /// Options that clustering has no use for.
-const SHAPING: [&str; 12] = [
+const SHAPING: [&str; 13] = [
     "quality",
     "border",
     "lock_border",
@@ -82,13 +86,14 @@ const SHAPING: [&str; 12] = [
     "skin_weight",
     "pairs",
     "keep_topology",
+    "regularity",
 ];
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum QualityArg {
     /// Fewest rounds, no look back at the input
     Fast,
-    /// More rounds; triangles that show their back are repaired where an edge collapse can
+    /// More rounds, checked against the input near the target
     Balanced,
     /// One collapse at a time, each checked against the input; the reference, many times slower
     Exact,
@@ -145,6 +150,7 @@ impl SimplifyArgs {
                 skin: self.skin_weight,
             },
             pairs: self.pairs,
+            regularity: self.regularity,
             topology: match self.keep_topology {
                 true => Topology::Preserve,
                 false => Topology::Simplify,

@@ -72,6 +72,11 @@ struct Roles {
 }
 
 impl State<'_> {
+    /// What a squared way along the surface counts beside one off it.
+    fn even(&self) -> f64 {
+        self.options.regularity * self.options.regularity
+    }
+
     /// Looks at the collapse of `a` and `b`, an edge or (with no triangle in
     /// common) a vertex pair.
     pub fn candidate(&self, a: u32, b: u32) -> Result<Candidate, Refusal> {
@@ -161,7 +166,7 @@ impl State<'_> {
         let [pa, pb] = [a, b].map(|p| self.surface.position[p as usize]);
         let middle = (pa + pb) * 0.5;
         let quadric = self.shape_quadric(a, b, middle, info);
-        let place = best_place(&quadric, pa - middle, pb - middle);
+        let place = best_place(&quadric, pa - middle, pb - middle, self.even());
         // What is checked must be what is stored, to the last bit.
         let place = (place + middle).as_vec3().as_dvec3();
         let groups = self.groups(a, b, info, a, true);
@@ -203,7 +208,7 @@ impl State<'_> {
     ) -> Candidate {
         let [pk, pr] = [kept, removed].map(|p| self.surface.position[p as usize]);
         let mut cost = quadric.sum(place - origin);
-        cost += SHORT * quadric.weight * pk.distance_squared(pr);
+        cost += (SHORT + self.even()) * quadric.weight * pk.distance_squared(pr);
         if !self.signal.is_empty() {
             cost += groups
                 .iter()
@@ -397,8 +402,8 @@ impl State<'_> {
 /// The place that minimises `quadric`, whose origin is the middle of the edge
 /// from `a` to `b`; where that is ill-defined, or the pull has moved it off a
 /// sharp corner, the best of ends and middle.
-fn best_place(quadric: &Quadric, a: DVec3, b: DVec3) -> DVec3 {
-    let pull = PULL * quadric.trace();
+fn best_place(quadric: &Quadric, a: DVec3, b: DVec3, even: f64) -> DVec3 {
+    let pull = (PULL + even) * quadric.trace();
     let matrix = quadric.matrix() + DMat3::from_diagonal(DVec3::splat(pull));
     let place = matrix.inverse() * quadric.linear();
     let length_squared = a.distance_squared(b);
@@ -420,20 +425,20 @@ mod tests {
         let mut q = Quadric::plane(DVec3::X, 0.1, 1.0);
         q += Quadric::plane(DVec3::Y, -0.2, 1.0);
         q += Quadric::plane(DVec3::Z, 0.3, 1.0);
-        let place = best_place(&q, -DVec3::X, DVec3::X);
+        let place = best_place(&q, -DVec3::X, DVec3::X, 0.0);
         assert!((place - DVec3::new(0.1, -0.2, 0.3)).length() < 1e-3);
     }
 
     #[test]
     fn in_a_plane_the_middle_is_kept() {
         let q = Quadric::plane(DVec3::Z, 0.0, 1.0);
-        assert_eq!(best_place(&q, -DVec3::X, DVec3::X), DVec3::ZERO);
+        assert_eq!(best_place(&q, -DVec3::X, DVec3::X, 0.0), DVec3::ZERO);
     }
 
     #[test]
     fn a_quadric_that_says_nothing_is_survived() {
         assert_eq!(
-            best_place(&Quadric::default(), -DVec3::X, DVec3::X),
+            best_place(&Quadric::default(), -DVec3::X, DVec3::X, 0.0),
             DVec3::ZERO
         );
     }

@@ -116,6 +116,7 @@ fn rules(options: &SimplifyOptions<'_>, target: Target) -> Rules {
         hold_borders: options.border != Border::Free,
         lock_borders: options.border == Border::Lock,
         subset: options.placement == Placement::HalfEdge,
+        even: (options.regularity * options.regularity) as f32,
         max_error: target.error as f32,
         log: options.log,
         // A log knows of collapses alone.

@@ -196,6 +196,8 @@ fn check_stop(stop: &Stop) -> Result<()> {
 fn check(mesh: &TriMesh, options: &SimplifyOptions<'_>) -> Result<()> {
     let turn = Some(options.max_normal_turn);
     in_range("max_normal_turn", turn, 0.0..=1.57, "between 0 and pi/2")?;
+    let regularity = Some(options.regularity);
+    in_range("regularity", regularity, 0.0..=100.0, "between 0 and 100")?;
     in_range(
         "pairs",
         options.pairs,

@@ -30,6 +30,10 @@ pub struct SimplifyOptions<'a> {
     /// Largest turn of a triangle's normal in one collapse, radians, below
     /// pi/2. Default: 1.2 (69 degrees).
     pub max_normal_turn: f64,
+    /// Preference for even triangles, 0 or more: a way along the surface counts
+    /// this much of one off it. 0.1 is mild, 0.5 strong; the error grows.
+    /// Default: 0.
+    pub regularity: f64,
     /// Join vertices of unconnected parts closer than this, model units
     /// (vertex-pair contraction, Garland & Heckbert 1997); the topology may
     /// change. Default: `None`.
@@ -56,6 +60,7 @@ impl Default for SimplifyOptions<'_> {
             locks: None,
             attributes: AttributeWeights::default(),
             max_normal_turn: 1.2,
+            regularity: 0.0,
             pairs: None,
             log: false,
             topology: Topology::Simplify,
@@ -76,6 +81,7 @@ impl fmt::Debug for SimplifyOptions<'_> {
             .field("locks", &self.locks.map(<[bool]>::len))
             .field("attributes", &self.attributes)
             .field("max_normal_turn", &self.max_normal_turn)
+            .field("regularity", &self.regularity)
             .field("pairs", &self.pairs)
             .field("log", &self.log)
             .field("topology", &self.topology)
@@ -160,7 +166,8 @@ pub enum Quality {
     /// Few rounds of many collapses, no look back at the input: fastest.
     /// Triangles may oppose the input's nearest to them.
     Fast,
-    /// More rounds; triangles that oppose the input are repaired at the end
+    /// More rounds; near the target every collapse is checked against the
+    /// input, and triangles that oppose it all the same are mended at the end
     /// where an edge collapse, a swap or a moved corner can.
     #[default]
     Balanced,

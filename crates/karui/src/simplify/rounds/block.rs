@@ -56,6 +56,8 @@ pub(crate) struct Rules {
     pub lock_borders: bool,
     /// Whether new vertices lie on old ones.
     pub subset: bool,
+    /// What a squared way along the surface counts beside one off it.
+    pub even: f32,
     /// Largest error, scaled units.
     pub max_error: f32,
     /// Whether collapses are written down.

@@ -102,14 +102,14 @@ fn unpack(stars: [&Star; 4]) -> (M, V, V) {
 /// matters to the place more than to the price. Not a number where there is no
 /// area.
 #[inline(always)]
-pub(super) fn prices(a: [&Star; 4], b: [&Star; 4], facing: [Vec4; 4]) -> Vec4 {
+pub(super) fn prices(a: [&Star; 4], b: [&Star; 4], facing: [Vec4; 4], even: f32) -> Vec4 {
     let (qa, na, pa) = unpack(a);
     let (qb, nb, pb) = unpack(b);
     let half = (pb - pa) * Vec4::splat(0.5);
     let sum = M(std::array::from_fn(|i| qa.0[i] + qb.0[i]));
     let area = sum.0[0] + sum.0[3] + sum.0[5];
     let (ha, hb) = (qa.mul(half), qb.mul(half));
-    let y = sum.solve(Vec4::splat(PULL) * area, hb - ha);
+    let y = sum.solve(Vec4::splat(PULL + even) * area, hb - ha);
     let along = half.dot(half);
     // Of a place too far away the middle takes its place.
     let near = y.dot(y).cmple(along * 16.0);
@@ -130,7 +130,7 @@ pub(super) fn prices(a: [&Star; 4], b: [&Star; 4], facing: [Vec4; 4]) -> Vec4 {
     let turned = (input * CLOSED - facing.dot(facing)) * STEEP;
     let openness = (turned / input.max(tiny)).clamp(Vec4::ZERO, Vec4::ONE);
     let retreat = openness * WAY * (y.dot(y) + along);
-    least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + retreat + along * (4.0 * SHORT))
+    least.max(Vec4::ZERO) + area * (height * OFF_SURFACE + retreat + along * (4.0 * (SHORT + even)))
 }
 
 /// Four triangles before and after one of their corners moves.

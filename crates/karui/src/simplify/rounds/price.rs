@@ -67,7 +67,8 @@ impl Block {
         let sum = qa + qb;
         let area = sum.trace();
         let (ha, hb) = (qa.mul(half), qb.mul(half));
-        let best = sum.solve(PULL * area, hb - ha);
+        let even = self.rules.even;
+        let best = sum.solve((PULL + even) * area, hb - ha);
         let along = half.length_squared();
         let usable = best.length_squared() <= 16.0 * along;
         let mut place = if usable { best } else { Vec3::ZERO };
@@ -75,7 +76,8 @@ impl Block {
         let mut least = qa.square(place + half) + qb.square(place - half);
         let at_ends = [(-half, 4.0 * half.dot(hb)), (half, 4.0 * half.dot(ha))];
         for (end, price) in at_ends {
-            if price < least {
+            let gain = even * area * (place.length_squared() - along);
+            if price < least + gain {
                 (place, least) = (end, price);
             }
         }
@@ -89,7 +91,8 @@ impl Block {
             kept: a,
             removed: b,
             place: pa + (place + half),
-            cost: least.max(0.0) + area * (OFF_SURFACE * height + retreat + 4.0 * SHORT * along),
+            cost: least.max(0.0)
+                + area * (OFF_SURFACE * height + retreat + 4.0 * (SHORT + even) * along),
         }
     }
 
@@ -98,7 +101,7 @@ impl Block {
         let place = self.position[kept as usize];
         let edge = self.position[removed as usize] - place;
         let planes = self.star[removed as usize].planes();
-        let way = SHORT + WAY * openness(self.facing[removed as usize]);
+        let way = SHORT + self.rules.even + WAY * openness(self.facing[removed as usize]);
         Offer {
             kept,
             removed,

@@ -34,6 +34,7 @@ impl<'a> Repeat<'a> {
             hold_borders: true,
             lock_borders: false,
             subset: false,
+            even: 0.0,
             max_error: f32::INFINITY,
             log: false,
             ease: false,

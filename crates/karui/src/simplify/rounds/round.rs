@@ -102,7 +102,7 @@ impl Block {
         let b = four.ends.map(|(_, q)| star(q));
         let facing = |p: u32| self.facing[p as usize];
         let facing = four.ends.map(|(p, q)| facing(p) + facing(q));
-        let prices = lanes::prices(a, b, facing).to_array();
+        let prices = lanes::prices(a, b, facing, self.rules.even).to_array();
         for (i, &(p, q)) in four.ends[..four.len].iter().enumerate() {
             let mut price = prices[i];
             if !self.weight.is_empty() {
