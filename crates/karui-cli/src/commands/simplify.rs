@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Also write what collapsed: `karui replay` makes any level between of it, and the same
-    /// triangles for the model in other poses
+    /// triangles for the model in other poses; parts, holes and handles then all stay
     #[arg(long, value_name = "FILE",
           conflicts_with_all = ["pairs", "prune", "sloppy", "sloppy_fallback", "foliage"])]
     log: Option<PathBuf>,

@@ -3,7 +3,6 @@
 use super::block::Block;
 use super::price::Offer;
 use super::repair::Guard;
-use crate::geom::normal_times_two_areas;
 use crate::spatial::Normals;
 use glam::Vec3;
 
@@ -13,8 +12,8 @@ struct After {
     center: Vec3,
     /// Unit normal.
     normal: Vec3,
-    /// Triangle of the input that it has come from.
-    source: u32,
+    /// Place in the index of the triangle of the input that it has come from.
+    slot: u32,
     /// How far the input is from its centre, at most.
     reach: f32,
 }
@@ -24,15 +23,8 @@ impl Guard<'_> {
     /// centre.
     fn is_against(&self, after: &After) -> bool {
         let own = Normals::NONE.with(after.normal);
-        if self.agrees(after.center, after.reach, own) {
-            return false;
-        }
-        let slot = self.facings.slot_of(after.source);
         // Not from the rounded centre, which may be nearer to another sheet.
-        let [a, b, c] = after.corners.map(|p| p.as_dvec3());
-        let hit = self.index.closest_from((a + b + c) / 3.0, slot);
-        let theirs = normal_times_two_areas(self.index.corners(hit.slot));
-        normal_times_two_areas([a, b, c]).dot(theirs) < 0.0
+        !self.agrees(after.center, after.reach, own) && self.opposes_from(after.corners, after.slot)
     }
 
     fn agrees(&self, center: Vec3, radius: f32, normals: Normals) -> bool {
@@ -65,14 +57,13 @@ impl Block {
         let (side, root) = (self.fan.sides[i], self.fan.roots[i]);
         let corners = self.after(offer, side).map(|p| p / guard.scale);
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let source = self.source[side.t as usize];
-        let slot = guard.facings.slot_of(source);
+        let slot = guard.facings.slot_of(self.source[side.t as usize]);
         let [there, ..] = guard.index.corners(slot);
         After {
             corners,
             center,
             normal: root.truncate() / root.w,
-            source,
+            slot,
             reach: center.distance(there.as_vec3()),
         }
     }

@@ -65,17 +65,23 @@ impl Block {
 
     /// Takes the triangles of the edge out.
     fn remove_triangles(&mut self) {
-        for &(t, third) in &self.fan.edge {
+        for i in 0..self.fan.edge.len() {
+            let (t, third) = self.fan.edge[i];
             self.star[third as usize] -= Star::of(self.root[t as usize]);
             self.changed[third as usize] = self.round;
-            let span = &mut self.span[third as usize];
-            let list = &mut self.list[range(*span)];
-            if let Some(at) = list.iter().position(|&other| other == t) {
-                list.swap(at, list.len() - 1);
-                span.len -= 1;
-            }
+            self.take_from(third, t);
             self.triangle[t as usize] = [DEAD; 3];
             self.alive -= 1;
+        }
+    }
+
+    /// Takes a triangle out of a point's list.
+    pub(super) fn take_from(&mut self, p: u32, t: u32) {
+        let span = &mut self.span[p as usize];
+        let list = &mut self.list[range(*span)];
+        if let Some(at) = list.iter().position(|&other| other == t) {
+            list.swap(at, list.len() - 1);
+            span.len -= 1;
         }
     }
 

@@ -18,7 +18,7 @@ const STEADY: f32 = 0.999;
 const COHERENT: f32 = 0.6;
 /// A triangle thinner than this must not get much thinner; 1 would be a right
 /// angle with equal sides.
-const THIN: f32 = 0.02;
+pub(super) const THIN: f32 = 0.02;
 
 /// A triangle as seen from one of its points.
 #[derive(Debug, Clone, Copy)]

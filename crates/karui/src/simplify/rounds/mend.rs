@@ -2,15 +2,12 @@
 //! is one: swapping an edge, or moving a corner.
 
 use super::block::{Block, DEAD, Kind, others, range, root_of};
+use super::fan::THIN;
 use super::repair::Guard;
 use super::star::Star;
-use crate::geom::{closest_barycentric, interpolate};
 use crate::simplify::blend::Mix;
 use glam::{Vec3, Vec4};
 use smallvec::{SmallVec, smallvec};
-
-/// A triangle thinner than this must not get thinner, as for collapses.
-const THIN: f32 = 0.02;
 
 /// What may be done.
 #[derive(Debug, Clone, Copy)]
@@ -209,16 +206,7 @@ impl Block {
     /// The one wedge of an interior point, and what the surface around it
     /// shows nearest to a place.
     fn mix_at(&self, p: u32, place: Vec3) -> Option<(u32, Mix)> {
-        let paint = self.paint.as_ref()?;
-        let place = place.as_dvec3();
-        let mixes = self.triangles_at(p).iter().map(|&t| {
-            let corners = self.corners(t).map(|p| p.as_dvec3());
-            let shares = closest_barycentric(place, corners);
-            let distance = place.distance_squared(interpolate(corners, shares));
-            let sources = paint.wedge[t as usize];
-            (distance, Mix { sources, shares })
-        });
-        let (_, mix) = mixes.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mix = self.nearest_mix(place, self.triangles_at(p).iter().copied())?;
         let first = *self.triangles_at(p).first()?;
         Some((self.wedge_at(first, p), mix))
     }
@@ -300,15 +288,6 @@ impl Block {
         }
     }
 
-    fn take_from(&mut self, p: u32, t: u32) {
-        let span = &mut self.span[p as usize];
-        let list = &mut self.list[range(*span)];
-        if let Some(at) = list.iter().position(|&other| other == t) {
-            list.swap(at, list.len() - 1);
-            span.len -= 1;
-        }
-    }
-
     fn give_to(&mut self, p: u32, t: u32) {
         let span = &mut self.span[p as usize];
         let own = range(*span);
@@ -369,6 +348,14 @@ mod tests {
         blocks.remove(0)
     }
 
+    fn guard<'a>(index: &'a Bvh, facings: &'a Facings) -> Guard<'a> {
+        Guard {
+            index,
+            facings,
+            scale: 1.0,
+        }
+    }
+
     fn bad(block: &Block, guard: Guard<'_>) -> Vec<u32> {
         let all = 0..block.triangle.len() as u32;
         all.filter(|&t| block.is_bad(t, guard)).collect()
@@ -400,11 +387,7 @@ mod tests {
     fn an_edge_outside_is_swapped_for_the_one_inside() {
         let index = Bvh::build(&dart(true)).unwrap();
         let facings = Facings::of(&index);
-        let guard = Guard {
-            index: &index,
-            facings: &facings,
-            scale: 1.0,
-        };
+        let guard = guard(&index, &facings);
         let mut block = block(&dart(false), false);
         assert_eq!(bad(&block, guard), [1]);
         assert_eq!(block.mend(1, guard).len(), 2);
@@ -425,11 +408,7 @@ mod tests {
     fn an_edge_between_materials_stays() {
         let index = Bvh::build(&dart(true)).unwrap();
         let facings = Facings::of(&index);
-        let guard = Guard {
-            index: &index,
-            facings: &facings,
-            scale: 1.0,
-        };
+        let guard = guard(&index, &facings);
         let mut block = block(&dart(false), true);
         assert_eq!(bad(&block, guard), [1]);
         assert_eq!(block.mend(1, guard), []);
@@ -440,11 +419,7 @@ mod tests {
         let mesh = shapes::terrain(6, 6, 1);
         let index = Bvh::build(&mesh).unwrap();
         let facings = Facings::of(&index);
-        let guard = Guard {
-            index: &index,
-            facings: &facings,
-            scale: 1.0,
-        };
+        let guard = guard(&index, &facings);
         let mut moved = mesh.clone();
         // The middle of seven by seven points, over two cells.
         let cell = mesh.bounds().size().x / 6.0;

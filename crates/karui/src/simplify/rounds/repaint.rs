@@ -7,6 +7,7 @@ use super::price::Offer;
 use crate::geom::{closest_barycentric, interpolate};
 use crate::simplify::blend::Mix;
 use crate::simplify::candidate::Refusal;
+use glam::Vec3;
 use smallvec::SmallVec;
 
 /// What the wedges of the new point will be.
@@ -61,9 +62,6 @@ impl Block {
     /// The mixture that the surface shows nearest to the new place, among the
     /// triangles of one pair of wedges.
     fn mix(&self, offer: &Offer, pair: Pair) -> Option<Mix> {
-        let paint = self.paint.as_ref()?;
-        let place = offer.place.as_dvec3();
-        let mut best: Option<(f64, Mix)> = None;
         let at_edge = |&&(t, _): &&(u32, u32)| self.wedge_at(t, offer.kept) == pair.0;
         let beside = |&i: &usize| {
             let (_, wedge) = self.end_of(offer, i);
@@ -71,16 +69,22 @@ impl Block {
         };
         let edge = self.fan.edge.iter().filter(at_edge).map(|e| e.0);
         let sides = (0..self.fan.sides.len()).filter(beside);
-        for t in edge.chain(sides.map(|i| self.fan.sides[i].t)) {
+        self.nearest_mix(offer.place, edge.chain(sides.map(|i| self.fan.sides[i].t)))
+    }
+
+    /// The mixture that the surface shows nearest to a place, among these
+    /// triangles; of equally near ones, the first.
+    pub fn nearest_mix(&self, place: Vec3, triangles: impl Iterator<Item = u32>) -> Option<Mix> {
+        let paint = self.paint.as_ref()?;
+        let place = place.as_dvec3();
+        let mixes = triangles.map(|t| {
             let corners = self.corners(t).map(|p| p.as_dvec3());
             let shares = closest_barycentric(place, corners);
             let distance = place.distance_squared(interpolate(corners, shares));
-            if best.as_ref().is_none_or(|(known, _)| distance < *known) {
-                let sources = paint.wedge[t as usize];
-                best = Some((distance, Mix { sources, shares }));
-            }
-        }
-        best.map(|(_, mix)| mix)
+            let sources = paint.wedge[t as usize];
+            (distance, Mix { sources, shares })
+        });
+        mixes.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
     }
 
     fn turns_uvs(&self, offer: &Offer, repaint: &Repaint) -> bool {

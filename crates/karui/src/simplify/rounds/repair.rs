@@ -1,6 +1,7 @@
 //! Turns back what shows its back: triangles that oppose the input's triangle
-//! nearest to them, by collapses or else by [`super::mend`]. They are few, and appear where the surface is thin or
-//! folded more finely than the simplified one can follow.
+//! nearest to them, by collapses or else by [`super::mend`]. They are few, and
+//! appear where the surface is thin or folded more finely than the simplified
+//! one can follow.
 
 use super::block::{Block, Rules};
 use super::level::Level;
@@ -26,8 +27,14 @@ impl Guard<'_> {
     /// Whether a triangle, in scaled units, faces the other way than the
     /// input's triangle nearest to its centre.
     pub fn opposes(&self, corners: [Vec3; 3]) -> bool {
-        let [a, b, c] = corners.map(|p| (p / self.scale).as_dvec3());
-        let hit = self.index.closest((a + b + c) / 3.0);
+        self.opposes_from(corners.map(|p| p / self.scale), 0)
+    }
+
+    /// As [`opposes`](Self::opposes), of a triangle in model units, faster if
+    /// the input's triangle at `slot` is close.
+    pub fn opposes_from(&self, corners: [Vec3; 3], slot: u32) -> bool {
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let hit = self.index.closest_from((a + b + c) / 3.0, slot);
         let theirs = normal_times_two_areas(self.index.corners(hit.slot));
         normal_times_two_areas([a, b, c]).dot(theirs) < 0.0
     }
