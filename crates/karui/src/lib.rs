@@ -10,6 +10,7 @@ pub mod lod;
 pub mod mesh;
 pub mod metrics;
 pub mod progress;
+pub mod render;
 pub mod simplify;
 pub mod spatial;
 
