@@ -95,7 +95,9 @@ pub(super) struct Block {
     pub touched: Vec<u32>,
     pub round: u32,
     /// Price of every half-edge as of its last look.
-    pub price: Vec<f32>,
+    pub price: Vec<[f32; 3]>,
+    /// Scratch of one look: half-edges to be priced, and their ends.
+    pub plain: Vec<(u32, u32, u32)>,
     /// Scratch of one collapse.
     pub fan: Fan,
     pub alive: usize,
@@ -165,7 +167,8 @@ impl Block {
             changed: vec![0; points],
             touched: vec![0; points],
             round: 0,
-            price: vec![f32::INFINITY; triangle.len() * 3],
+            price: vec![[f32::INFINITY; 3]; triangle.len()],
+            plain: Vec::new(),
             fan: Fan::default(),
             alive: triangle.len(),
             collapses: 0,

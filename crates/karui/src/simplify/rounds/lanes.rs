@@ -173,25 +173,3 @@ impl Turn {
         Star::columns([normal.0, normal.1, normal.2, self.length * by])
     }
 }
-
-/// Half-edges whose prices are asked for, four at a time.
-#[derive(Debug, Default)]
-pub(super) struct Four {
-    /// Points of every edge.
-    pub ends: [(u32, u32); 4],
-    /// Where the prices go.
-    pub slots: [u32; 4],
-    /// How many there are.
-    pub len: usize,
-}
-
-impl Four {
-    /// Adds an edge; whether it was the fourth.
-    #[inline(always)]
-    pub fn push(&mut self, ends: (u32, u32), slot: u32) -> bool {
-        self.ends[self.len & 3] = ends;
-        self.slots[self.len & 3] = slot;
-        self.len += 1;
-        self.len == 4
-    }
-}

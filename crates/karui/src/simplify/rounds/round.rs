@@ -2,7 +2,7 @@
 //! cheapest first, each point at most once.
 
 use super::block::{Block, DEAD, Kind};
-use super::lanes::{self, Four};
+use super::lanes;
 use super::repair::Guard;
 use crate::simplify::candidate::Refusal;
 use crate::simplify::refused::Refused;
@@ -19,17 +19,10 @@ pub(super) fn upper_end(bin: usize) -> f32 {
     f32::from_bits(((bin as u32 + 1) << SHIFT) - 1)
 }
 
-/// How a half-edge comes to its price.
-enum View {
-    /// It has none: its other half has, or neither end may vanish.
-    None,
-    /// That of the last round holds.
-    Known,
-    /// Between two points that are free.
-    Plain,
-    /// Anything else.
-    Odd,
-}
+/// State of a point that may vanish into any neighbour.
+const FREE: u8 = 1;
+/// State of a point whose surroundings the last round has changed.
+const FRESH: u8 = 2;
 
 /// A price that is not a number is one that nobody pays.
 #[inline(always)]
@@ -49,70 +42,79 @@ impl Block {
     /// counts all prices into `bins`.
     pub fn look(&mut self, bins: &mut [u32]) {
         self.refused = Refused::default();
-        let mut four = Four::default();
+        let state = self.states();
+        let mut plain = std::mem::take(&mut self.plain);
         for t in 0..self.triangle.len() {
             let points = self.triangle[t];
             if points[0] == DEAD {
                 continue;
             }
-            for k in 0..3 {
-                let (p, q) = (points[k], points[(k + 1) % 3]);
-                let slot = 3 * t + k;
-                match self.view(p, q, slot) {
-                    View::None => self.price[slot] = f32::INFINITY,
-                    View::Known => count(bins, self.price[slot]),
-                    View::Odd => {
-                        self.price[slot] = self.price_of(p, q);
-                        count(bins, self.price[slot]);
-                    }
-                    View::Plain => {
-                        if four.push((p, q), slot as u32) {
-                            self.price_four(&mut four, bins);
-                        }
-                    }
+            let states = points.map(|p| state[p as usize]);
+            let mut prices = self.price[t];
+            for (k, n) in [(0, 1), (1, 2), (2, 0)] {
+                let (p, q) = (points[k], points[n]);
+                if states[k] & states[n] & FREE == 0 || self.rules.subset {
+                    prices[k] = self.odd_price(p, q, prices[k], states[k] | states[n]);
+                    count(bins, prices[k]);
+                } else if p > q {
+                    prices[k] = f32::INFINITY;
+                } else if (states[k] | states[n]) & FRESH == 0 && prices[k].is_finite() {
+                    count(bins, prices[k]);
+                } else {
+                    plain.push(((3 * t + k) as u32, p, q));
                 }
             }
+            self.price[t] = prices;
         }
-        self.price_four(&mut four, bins);
+        for four in plain.chunks(4) {
+            self.price_four(four, bins);
+        }
+        plain.clear();
+        self.plain = plain;
         self.round += 1;
     }
 
-    /// What the half-edge from `p` to `q` needs.
-    #[inline(always)]
-    fn view(&self, p: u32, q: u32, slot: usize) -> View {
-        let plain = [p, q]
-            .iter()
-            .all(|&p| self.kind[p as usize] == Kind::Interior);
-        if p > q && (plain || !self.stands_for_edge(p, q)) {
-            return View::None;
-        }
-        let is_old = |p: u32| self.changed[p as usize] < self.round;
-        if is_old(p) && is_old(q) && self.price[slot].is_finite() {
-            View::Known
-        } else if plain && !self.rules.subset {
-            View::Plain
+    /// What decides how the edges of every point are looked at.
+    fn states(&self) -> Vec<u8> {
+        let state = |(kind, changed): (&Kind, &u32)| {
+            let free = if *kind == Kind::Interior { FREE } else { 0 };
+            let fresh = if *changed >= self.round { FRESH } else { 0 };
+            free | fresh
+        };
+        self.kind.iter().zip(&self.changed).map(state).collect()
+    }
+
+    /// Price of a half-edge whose ends are not both free, or may not move:
+    /// `known` if nothing has changed; infinite if its other half has one.
+    fn odd_price(&mut self, p: u32, q: u32, known: f32, state: u8) -> f32 {
+        if p > q && !self.stands_for_edge(p, q) {
+            f32::INFINITY
+        } else if state & FRESH == 0 && known.is_finite() {
+            known
         } else {
-            View::Odd
+            self.price_of(p, q)
         }
     }
 
-    fn price_four(&mut self, four: &mut Four, bins: &mut [u32]) {
+    fn price_four(&mut self, four: &[(u32, u32, u32)], bins: &mut [u32]) {
+        let last = four.len() - 1;
+        let four_edges = [four[0], four[1.min(last)], four[2.min(last)], four[last]];
         let star = |p: u32| &self.star[p as usize];
-        let a = four.ends.map(|(p, _)| star(p));
-        let b = four.ends.map(|(_, q)| star(q));
+        let a = four_edges.map(|(_, p, _)| star(p));
+        let b = four_edges.map(|(_, _, q)| star(q));
         let facing = |p: u32| self.facing[p as usize];
-        let facing = four.ends.map(|(p, q)| facing(p) + facing(q));
-        let prices = lanes::prices(a, b, facing, self.rules.even).to_array();
-        for (i, &(p, q)) in four.ends[..four.len].iter().enumerate() {
-            let mut price = prices[i];
-            if !self.weight.is_empty() {
-                price *= 0.5 * (self.weight[p as usize] + self.weight[q as usize]);
-            }
+        let facing = four_edges.map(|(_, p, q)| facing(p) + facing(q));
+        let mut prices = lanes::prices(a, b, facing, self.rules.even).to_array();
+        if !self.weight.is_empty() {
+            let weight = |p: u32| self.weight[p as usize];
+            let both = prices.iter_mut().zip(four_edges);
+            both.for_each(|(price, (_, p, q))| *price *= 0.5 * (weight(p) + weight(q)));
+        }
+        for (&(slot, ..), price) in four.iter().zip(prices) {
             let price = payable(price);
-            self.price[four.slots[i] as usize] = price;
+            self.price.as_flattened_mut()[slot as usize] = price;
             count(bins, price);
         }
-        four.len = 0;
     }
 
     /// Of the two halves of an edge one is looked at; that of a border is the
@@ -150,7 +152,7 @@ impl Block {
             if points[0] == DEAD {
                 continue;
             }
-            for (k, price) in self.price[3 * t..3 * t + 3].iter().enumerate() {
+            for (k, price) in self.price[t].iter().enumerate() {
                 if *price <= threshold {
                     found.push((price.to_bits(), (3 * t + k) as u32));
                 }
@@ -194,7 +196,7 @@ impl Block {
             self.refused.count(refusal);
             // Until its surroundings change it stands behind edges of twice
             // its price, so as not to crowd them out.
-            self.price[half_edge as usize] = 2.0 * threshold.max(f32::MIN_POSITIVE);
+            self.price[t][k] = 2.0 * threshold.max(f32::MIN_POSITIVE);
         }
     }
 }

@@ -23,14 +23,13 @@ struct Cycle {
 
 impl Level<'_> {
     /// Cuts handles, the thinnest first; returns how many.
-    pub(super) fn cut_handles(&mut self, limits: &Limits) -> usize {
-        let net = Net::of(&self.triangle);
-        let mut cycles = self.cycles(&net, limits);
+    pub(super) fn cut_handles(&mut self, net: &Net, limits: &Limits) -> usize {
+        let mut cycles = self.cycles(net, limits);
         cycles.sort_unstable_by(|a, b| {
             let by_price = a.price.total_cmp(&b.price);
             by_price.then(a.halves.cmp(&b.halves))
         });
-        let mut search = Search::new(&net);
+        let mut search = Search::new(net);
         let mut touched = vec![false; self.position.len()];
         let mut cut = 0;
         for cycle in cycles {
@@ -38,13 +37,13 @@ impl Level<'_> {
             if points.iter().any(|&p| touched[p as usize]) || search.separates(&cycle) {
                 continue;
             }
-            let Some(arcs) = arcs(&net, &cycle) else {
+            let Some(arcs) = arcs(net, &cycle) else {
                 continue;
             };
             // What shares a point with it waits for the next time.
             points.iter().for_each(|&p| touched[p as usize] = true);
             search.set(&cycle, true);
-            self.cut(&net, &cycle, &arcs);
+            self.cut(net, &cycle, &arcs);
             cut += 1;
         }
         cut

@@ -7,11 +7,10 @@ use std::collections::HashMap;
 
 impl Level<'_> {
     /// Closes holes of three edges; returns how many.
-    pub(super) fn close_holes(&mut self, limits: &Limits) -> usize {
+    pub(super) fn close_holes(&mut self, net: &Net, limits: &Limits) -> usize {
         if limits.lock_borders {
             return 0;
         }
-        let net = Net::of(&self.triangle);
         let borders = (0..net.mate.len() as u32).filter(|&h| net.mate[h as usize] == BORDER);
         // The one half-edge of a border that begins at a point.
         let mut out: HashMap<u32, Option<u32>> = HashMap::new();

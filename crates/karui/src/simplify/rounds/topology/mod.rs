@@ -16,6 +16,7 @@ mod parts;
 use super::level::Level;
 use crate::simplify::options::TopologyChanges;
 use glam::Vec3;
+use net::Net;
 
 /// What a change may cost.
 #[derive(Debug, Clone, Copy)]
@@ -41,10 +42,16 @@ impl Limits {
 impl Level<'_> {
     /// Removes parts, closes holes and cuts handles within the limits.
     pub(super) fn ease(&mut self, limits: &Limits) -> TopologyChanges {
+        let parts = self.let_go(limits);
+        let mut net = Net::of(&self.triangle);
+        let holes = self.close_holes(&net, limits);
+        if holes > 0 {
+            net = Net::of(&self.triangle);
+        }
         TopologyChanges {
-            parts: self.let_go(limits),
-            holes: self.close_holes(limits),
-            handles: self.cut_handles(limits),
+            parts,
+            holes,
+            handles: self.cut_handles(&net, limits),
         }
     }
 
