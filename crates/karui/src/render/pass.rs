@@ -1,0 +1,106 @@
+//! One frame: vertices, then triangles, then bands of rows.
+
+use super::bins::{BAND, Bins, Kind, Picked, Treatment};
+use super::edges::Window;
+use super::geometry::Geometry;
+use super::options::{Faces, RenderOptions};
+use super::place::Place;
+use super::project::{Corner, project};
+use super::renderer::Renderer;
+use super::view::{Homogeneous, View};
+use crate::error::Result;
+use crate::geom::Camera;
+
+/// What a frame needs before its bands can be drawn.
+pub(super) struct Pass<'a> {
+    pub view: View,
+    pub geometry: &'a Geometry<'a>,
+    pub picture: Window,
+    corners: Vec<Corner>,
+    bins: Bins,
+}
+
+impl<'a> Pass<'a> {
+    pub(super) fn new(
+        renderer: &'a Renderer<'a>,
+        camera: &Camera,
+        options: &RenderOptions<'_>,
+    ) -> Result<Self> {
+        let geometry = &renderer.geometry;
+        let view = View::of_samples(camera, geometry.bounds, options)?;
+        let corners = project(&view, &geometry.positions);
+        let samples = |pixels: u32| 0..(pixels * options.samples) as i32;
+        let picked = Picked {
+            view: &view,
+            geometry,
+            corners: &corners,
+            treatments: &treatments(renderer, options),
+            picture: Window {
+                columns: samples(options.width),
+                rows: samples(options.height),
+            },
+        };
+        let bins = picked.bins();
+        let picture = picked.picture;
+        Ok(Self {
+            view,
+            geometry,
+            picture,
+            corners,
+            bins,
+        })
+    }
+
+    /// Number of bands.
+    pub(super) fn bands(&self) -> usize {
+        (self.picture.rows.end as usize).div_ceil(BAND as usize)
+    }
+
+    /// Triangles of a kind in a band.
+    pub(super) fn binned(&self, band: usize, kind: Kind) -> impl Iterator<Item = u32> {
+        let lists = self.bins.iter();
+        lists.flat_map(move |chunk| chunk[band][kind as usize].iter().copied())
+    }
+
+    #[inline]
+    pub(super) fn corners_of(&self, t: u32) -> [Corner; 3] {
+        self.geometry.triangles[t as usize].map(|v| self.corners[v as usize])
+    }
+
+    /// Where on a triangle a sample lies that it covers.
+    #[inline]
+    pub(super) fn place(&self, t: u32, column: i32, row: i32) -> Place {
+        let corners = self.corners_of(t);
+        if corners.iter().all(|c| c.outside == 0) {
+            return Place::of_corners(&self.view, &corners, column, row);
+        }
+        let corners = self.geometry.homogeneous(&self.view, t as usize);
+        Place::of_homogeneous(&corners, column, row)
+    }
+}
+
+impl Geometry<'_> {
+    pub(super) fn homogeneous(&self, view: &View, t: usize) -> [Homogeneous; 3] {
+        self.triangles[t].map(|v| view.homogeneous(self.positions[v as usize]))
+    }
+}
+
+fn treatments(renderer: &Renderer<'_>, options: &RenderOptions<'_>) -> Vec<Treatment> {
+    let parts = renderer.geometry.parts.iter();
+    parts
+        .map(|part| {
+            let material = renderer.material(part);
+            let one_sided = match options.faces {
+                Faces::ByMaterial => !material.double_sided,
+                Faces::Both => false,
+                Faces::Front => true,
+            };
+            // Fronts run counter-clockwise, that is, their areas are negative.
+            let back = if part.mirrored { -1 } else { 1 };
+            Treatment {
+                kind: material.kind(options),
+                culled: if one_sided { back } else { 0 },
+            }
+        })
+        .collect()
+}

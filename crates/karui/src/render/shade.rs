@@ -1,0 +1,174 @@
+//! From what is seen to what colour it has.
+
+use super::brdf::{Answer, Incident};
+use super::options::{RenderOptions, Shading, Wireframe};
+use super::pass::Pass;
+use super::place::Place;
+use super::renderer::Renderer;
+use super::srgb::{Srgb, plain_code, unit};
+use super::surface::Sample;
+use crate::geom::{Light, Vec3, Vec4};
+use crate::mesh::AlphaMode;
+
+/// Everything that colours depend on.
+pub(super) struct Shader<'a> {
+    pub renderer: &'a Renderer<'a>,
+    pub pass: &'a Pass<'a>,
+    pub options: &'a RenderOptions<'a>,
+    pub srgb: Srgb,
+    lights: Vec<Prepared>,
+    up: Vec3,
+    /// Linear, premultiplied.
+    background: Vec4,
+}
+
+enum Prepared {
+    Directional(Incident),
+    Point { position: Vec3, radiance: Vec3 },
+}
+
+impl<'a> Shader<'a> {
+    pub(super) fn new(
+        renderer: &'a Renderer<'a>,
+        pass: &'a Pass<'a>,
+        lights: &[Light],
+        options: &'a RenderOptions<'a>,
+    ) -> Self {
+        let srgb = Srgb::new();
+        Self {
+            renderer,
+            pass,
+            options,
+            srgb,
+            lights: lights.iter().filter_map(prepared).collect(),
+            up: pass.view.up(),
+            background: premultiplied(linear(srgb, options.background)),
+        }
+    }
+
+    /// Whether a masked triangle is there at a sample.
+    pub(super) fn is_solid(&self, triangle: u32, column: i32, row: i32) -> bool {
+        let place = self.pass.place(triangle, column, row);
+        let sample = Sample::new(self, triangle, &place);
+        match sample.material.alpha_mode {
+            AlphaMode::Mask(cutoff) => sample.base_color().w >= cutoff,
+            _ => true,
+        }
+    }
+
+    /// Colour at a sample, linear and premultiplied: layers from front to back,
+    /// then what is solid, if anything is.
+    pub(super) fn color(
+        &self,
+        column: i32,
+        row: i32,
+        layers: impl Iterator<Item = u32>,
+        solid: Option<u32>,
+    ) -> Vec4 {
+        let mut color = Vec4::ZERO;
+        for triangle in layers {
+            color += self.layer(triangle, column, row) * (1.0 - color.w);
+        }
+        let behind = match solid {
+            Some(triangle) => self.layer(triangle, column, row),
+            None => self.background,
+        };
+        color + behind * (1.0 - color.w)
+    }
+
+    /// Colour of one surface, linear and premultiplied.
+    fn layer(&self, triangle: u32, column: i32, row: i32) -> Vec4 {
+        let place = self.pass.place(triangle, column, row);
+        let sample = Sample::new(self, triangle, &place);
+        let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
+        let (position, to_viewer) = self.pass.view.unproject(x, y, place.depth);
+        let surface = sample.surface(to_viewer);
+        let alpha = match sample.material.alpha_mode {
+            AlphaMode::Blend => unit(surface.alpha),
+            _ => 1.0,
+        };
+        let light = match self.options.shading {
+            Shading::Unlit => surface.base + surface.emissive,
+            shading => self.lit(&Answer::new(surface, shading), position) + surface.emissive,
+        };
+        let color = premultiplied(light.min(Vec3::splat(1e4)).extend(alpha));
+        match &self.options.wireframe {
+            Some(lines) => self.lined(color, lines, &place),
+            None => color,
+        }
+    }
+
+    #[inline]
+    fn lit(&self, answer: &Answer, position: Vec3) -> Vec3 {
+        let lights = self.lights.iter().map(|light| match light {
+            Prepared::Directional(incident) => answer.to(incident),
+            Prepared::Point {
+                position: from,
+                radiance,
+            } => {
+                let way = *from - position;
+                let squared = way.length_squared().max(f32::MIN_POSITIVE);
+                answer.to(&Incident {
+                    to_light: way * (1.0 / squared.sqrt()),
+                    radiance: *radiance * (1.0 / squared),
+                })
+            }
+        });
+        let ambient = answer.to_ambient(&self.options.ambient, self.up);
+        lights.fold(ambient, |sum, light| sum + light)
+    }
+
+    /// With the triangle's half of the lines it shares.
+    fn lined(&self, color: Vec4, lines: &Wireframe, place: &Place) -> Vec4 {
+        let samples = self.options.samples as f32;
+        let distance = place.edge_distance();
+        let share = unit(0.5 * lines.width * samples + 0.5 - distance);
+        let line = premultiplied(linear(self.srgb, lines.color)) * share;
+        line + color * (1.0 - line.w)
+    }
+
+    /// A linear, premultiplied colour as it is stored.
+    #[inline]
+    pub(super) fn encoded(&self, color: Vec4) -> [u8; 4] {
+        if color.w <= 0.0 {
+            return [0; 4];
+        }
+        let straight = color.truncate() * (1.0 / color.w);
+        let [r, g, b] = straight.to_array().map(|c| self.srgb.code(c));
+        [r, g, b, plain_code(color.w)]
+    }
+}
+
+/// `None` for a light that shines nowhere.
+fn prepared(light: &Light) -> Option<Prepared> {
+    match *light {
+        Light::Directional {
+            direction,
+            color,
+            intensity,
+        } => {
+            let direction = direction.as_dvec3().try_normalize()?;
+            Some(Prepared::Directional(Incident {
+                to_light: -direction.as_vec3(),
+                radiance: color * intensity,
+            }))
+        }
+        Light::Point {
+            position,
+            color,
+            intensity,
+        } => Some(Prepared::Point {
+            position,
+            radiance: color * intensity,
+        }),
+    }
+}
+
+fn linear(srgb: Srgb, [r, g, b, a]: [u8; 4]) -> Vec4 {
+    let [r, g, b] = [r, g, b].map(|code| srgb.linear(code));
+    Vec4::new(r, g, b, f32::from(a) / 255.0)
+}
+
+fn premultiplied(color: Vec4) -> Vec4 {
+    (color.truncate() * color.w).extend(color.w)
+}
