@@ -54,10 +54,12 @@ impl Camera {
     /// An empty box counts as the point at the origin, a zero `direction` as +z.
     #[must_use]
     pub fn looking_at(bounds: Aabb, direction: Vec3, fov_y: f32) -> Self {
-        let radius = (0.5 * bounds.diagonal()).max(f64::from(f32::MIN_POSITIVE.sqrt()));
+        let target = bounds.center();
+        // A point is looked at from where `f32` tells the eye from it.
+        let least = (1e-3 * target.as_dvec3().length()).max(1e-18);
+        let radius = (0.5 * bounds.diagonal()).max(least);
         let (sine, _) = sin_cos(0.5 * f64::from(fov_y));
         let towards = direction.as_dvec3().try_normalize().unwrap_or(DVec3::Z);
-        let target = bounds.center();
         let eye = target.as_dvec3() + towards * (radius / sine);
         Self {
             eye: eye.as_vec3(),

@@ -2,7 +2,7 @@
 
 use super::bins::{BAND, Kind};
 use super::clip::clip;
-use super::edges::{Window, cover, oriented, two_areas, window};
+use super::edges::{Extent, Window, cover, oriented, two_areas};
 use super::pass::Pass;
 use super::project::Corner;
 use super::shade::Shader;
@@ -48,6 +48,13 @@ impl Band {
     #[inline]
     pub(super) fn slot(&self, column: i32, row: i32) -> usize {
         (row - self.first_row) as usize * self.width + column as usize
+    }
+
+    /// Column and row of a sample.
+    #[inline]
+    pub(super) fn place_of(&self, slot: usize) -> (i32, i32) {
+        let row = (slot / self.width) as i32 + self.first_row;
+        ((slot % self.width) as i32, row)
     }
 
     fn draw_one(
@@ -102,7 +109,8 @@ pub(super) fn samples(
 #[inline]
 fn samples_of(corners: &[Corner; 3], within: &Window, covered: &mut impl FnMut(i32, i32, f32)) {
     let area = two_areas(corners);
-    let window = window(corners, within);
+    let extent = Extent::new(corners);
+    let window = extent.window(within);
     if area == 0 || window.is_empty() {
         return;
     }
@@ -110,7 +118,7 @@ fn samples_of(corners: &[Corner; 3], within: &Window, covered: &mut impl FnMut(i
     let by_area = 1.0 / area.abs() as f32;
     let slope_b = (b.closeness - a.closeness) * by_area;
     let slope_c = (c.closeness - a.closeness) * by_area;
-    cover(&[a, b, c], &window, &mut |x, y, [e1, e2]| {
+    cover(&[a, b, c], &extent, &window, &mut |x, y, [e1, e2]| {
         let closeness = a.closeness + (e1 * slope_b + e2 * slope_c);
         // Bits compare as numbers do from +0 on only, and `max` may give -0.
         covered(x, y, if closeness > 0.0 { closeness } else { 0.0 });

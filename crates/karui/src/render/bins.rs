@@ -1,7 +1,7 @@
 //! Which triangles may be seen, by band of rows.
 
 use super::clip::clip;
-use super::edges::{Window, two_areas, window};
+use super::edges::{Extent, Window, covers, oriented, two_areas};
 use super::geometry::Geometry;
 use super::project::Corner;
 use super::view::View;
@@ -111,12 +111,19 @@ impl Picked<'_> {
     /// Rows whose samples a triangle may cover; none if it is not shown.
     #[inline]
     fn rows(&self, corners: &[Corner; 3], how: Treatment) -> Range<i32> {
+        let window = Extent::new(corners).window(&self.picture);
+        if window.is_empty() {
+            return 0..0;
+        }
         let area = two_areas(corners);
         if area == 0 || area.signum() == how.culled {
             return 0..0;
         }
-        let window = window(corners, &self.picture);
-        if window.is_empty() { 0..0 } else { window.rows }
+        // Most triangles of a fine mesh come close to one sample, and miss it.
+        let missed = window
+            .only()
+            .is_some_and(|(x, y)| !covers(&oriented(*corners, area), x, y));
+        if missed { 0..0 } else { window.rows }
     }
 
     fn clipped_rows(&self, t: usize, how: Treatment) -> Range<i32> {

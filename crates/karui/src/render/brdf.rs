@@ -45,42 +45,53 @@ pub(super) struct Answer {
     diffuse: Vec3,
     /// Square of the width of the distribution of microfacets.
     width: f32,
+    /// Cosine between normal and view, and the same not cut off.
     facing: f32,
+    cosine: f32,
+    /// The viewer's part of the masking.
+    masking: f32,
 }
 
 impl Answer {
+    #[inline]
     pub(super) fn new(surface: Surface, shading: Shading) -> Self {
         let metallic = surface.metallic;
         let specular = Vec3::splat(DIELECTRIC * (1.0 - metallic)) + surface.base * metallic;
         let alpha = surface.roughness.max(LEAST_ROUGHNESS);
+        let width = (alpha * alpha) * (alpha * alpha);
+        let cosine = surface.normal.dot(surface.to_viewer);
+        let facing = cosine.max(1e-3);
         Self {
             shading,
             specular,
             diffuse: surface.base * (1.0 - metallic),
-            width: (alpha * alpha) * (alpha * alpha),
-            facing: surface.normal.dot(surface.to_viewer).max(1e-3),
+            width,
+            facing,
+            cosine,
+            masking: masking(facing, width),
             surface,
         }
     }
 
-    /// What one light adds.
+    /// What one light adds. The normal halfway between light and viewer is never
+    /// made: its cosines follow from those of the two.
     #[inline]
     pub(super) fn to(&self, light: &Incident) -> Vec3 {
         let lit = self.surface.normal.dot(light.to_light);
         if lit <= 0.0 {
             return Vec3::ZERO;
         }
-        let between = light.to_light + self.surface.to_viewer;
-        let length = between.length();
-        if length < 1e-6 {
+        // Squared cosine between half the way and either.
+        let open = 0.5 + 0.5 * light.to_light.dot(self.surface.to_viewer);
+        if open < 1e-6 {
             return self.diffuse * light.radiance * lit;
         }
-        let half = between * (1.0 / length);
-        let cosine = self.surface.normal.dot(half).max(0.0);
-        let fresnel = schlick(self.specular, self.surface.to_viewer.dot(half));
+        let along = (lit + self.cosine).max(0.0);
+        let squared = (along * along / (4.0 * open)).min(1.0);
+        let fresnel = schlick(self.specular, open.sqrt());
         let highlight = match self.shading {
-            Shading::BlinnPhong => self.blinn(cosine),
-            _ => self.ggx(cosine, lit),
+            Shading::BlinnPhong => self.blinn(squared.sqrt()),
+            _ => self.ggx(squared, lit),
         };
         let matte = self.diffuse * (Vec3::ONE - fresnel);
         (matte + fresnel * highlight) * light.radiance * lit
@@ -88,12 +99,10 @@ impl Answer {
 
     /// Distribution times masking, by four cosines, times pi.
     #[inline]
-    fn ggx(&self, cosine: f32, lit: f32) -> f32 {
-        let spread = cosine * cosine * (self.width - 1.0) + 1.0;
-        let distribution = self.width / (spread * spread);
-        let toward = |a: f32, b: f32| a * (b * b * (1.0 - self.width) + self.width).sqrt();
-        let masking = 0.5 / (toward(lit, self.facing) + toward(self.facing, lit));
-        distribution * masking
+    fn ggx(&self, squared: f32, lit: f32) -> f32 {
+        let spread = squared * (self.width - 1.0) + 1.0;
+        let masking = lit * self.masking + self.facing * masking(lit, self.width);
+        0.5 * self.width / (spread * spread * masking)
     }
 
     /// A power of the cosine, scaled so that no light is gained; the exponent is
@@ -104,6 +113,7 @@ impl Answer {
     }
 
     /// What light from all around adds.
+    #[inline]
     pub(super) fn to_ambient(&self, ambient: &Ambient, up: Vec3) -> Vec3 {
         let from = |direction: Vec3| {
             let above = 0.5 + 0.5 * direction.dot(up).clamp(-1.0, 1.0);
@@ -112,7 +122,7 @@ impl Answer {
         let Surface {
             normal, to_viewer, ..
         } = self.surface;
-        let mirrored = normal * (2.0 * normal.dot(to_viewer)) - to_viewer;
+        let mirrored = normal * (2.0 * self.cosine) - to_viewer;
         // A rough surface mirrors less where it is seen from the side.
         let most = Vec3::splat(1.0 - self.surface.roughness).max(self.specular);
         let grazing = fifth(1.0 - self.facing.min(1.0));
@@ -121,6 +131,12 @@ impl Answer {
     }
 }
 
+#[inline]
+fn masking(cosine: f32, width: f32) -> f32 {
+    (cosine * cosine * (1.0 - width) + width).sqrt()
+}
+
+#[inline]
 fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
     straight + (Vec3::ONE - straight) * fifth(1.0 - cosine.clamp(0.0, 1.0))
 }

@@ -22,18 +22,42 @@ pub(super) fn two_areas([a, b, c]: &[Corner; 3]) -> i64 {
     d(b.x, a.x) * d(c.y, a.y) - d(b.y, a.y) * d(c.x, a.x)
 }
 
-/// The samples in the box around a triangle, as far as they lie in `within`.
-#[inline]
-pub(super) fn window([a, b, c]: &[Corner; 3], within: &Window) -> Window {
-    let range = |p: i32, q: i32, r: i32, within: &Range<i32>| {
-        let (least, most) = (p.min(q).min(r), p.max(q).max(r));
-        let first = (least + ((1 << SUB_BITS) - 1)) >> SUB_BITS;
-        let end = (most >> SUB_BITS) + 1;
-        first.max(within.start)..end.min(within.end)
-    };
-    Window {
-        columns: range(a.x, b.x, c.x, &within.columns),
-        rows: range(a.y, b.y, c.y, &within.rows),
+/// The box around a triangle, sub-pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    x: [i32; 2],
+    y: [i32; 2],
+}
+
+impl Extent {
+    #[inline]
+    pub(super) fn new([a, b, c]: &[Corner; 3]) -> Self {
+        let range = |p: i32, q: i32, r: i32| [p.min(q).min(r), p.max(q).max(r)];
+        Self {
+            x: range(a.x, b.x, c.x),
+            y: range(a.y, b.y, c.y),
+        }
+    }
+
+    /// The samples in it, as far as they lie in `within`.
+    #[inline]
+    pub(super) fn window(&self, within: &Window) -> Window {
+        let range = |[least, most]: [i32; 2], within: &Range<i32>| {
+            let first = (least + ((1 << SUB_BITS) - 1)) >> SUB_BITS;
+            let end = (most >> SUB_BITS) + 1;
+            first.max(within.start)..end.min(within.end)
+        };
+        Window {
+            columns: range(self.x, &within.columns),
+            rows: range(self.y, &within.rows),
+        }
+    }
+
+    /// Whether edge functions fit into 32 bits.
+    #[inline]
+    fn is_small(&self) -> bool {
+        let longest = (self.x[1] - self.x[0]).max(self.y[1] - self.y[0]);
+        longest <= SMALL << SUB_BITS
     }
 }
 
@@ -41,6 +65,13 @@ impl Window {
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
         self.columns.start >= self.columns.end || self.rows.start >= self.rows.end
+    }
+
+    /// The sample, if it is the only one.
+    #[inline]
+    pub(super) fn only(&self) -> Option<(i32, i32)> {
+        let (x, y) = (self.columns.start, self.rows.start);
+        (self.columns.end == x + 1 && self.rows.end == y + 1).then_some((x, y))
     }
 }
 
@@ -68,6 +99,13 @@ fn bias(a: &Corner, b: &Corner) -> i32 {
     if dy < 0 || (dy == 0 && dx > 0) { 0 } else { -1 }
 }
 
+/// Whether a triangle of positive area covers a sample.
+#[inline]
+pub(super) fn covers([a, b, c]: &[Corner; 3], column: i32, row: i32) -> bool {
+    let side = |p: &Corner, q: &Corner| edge(p, q, column, row) + i64::from(bias(p, q));
+    (side(b, c) | side(c, a) | side(a, b)) >= 0
+}
+
 /// Largest extent, in samples, whose edge functions fit into 32 bits.
 const SMALL: i32 = 48;
 
@@ -77,17 +115,39 @@ const SMALL: i32 = 48;
 #[inline]
 pub(super) fn cover(
     corners: &[Corner; 3],
+    extent: &Extent,
     window: &Window,
     covered: &mut impl FnMut(i32, i32, [f32; 2]),
 ) {
-    let small = |p: i32, q: i32, r: i32| {
-        i64::from(p.max(q).max(r)) - i64::from(p.min(q).min(r)) <= i64::from(SMALL << SUB_BITS)
-    };
-    let [a, b, c] = corners;
-    if small(a.x, b.x, c.x) && small(a.y, b.y, c.y) {
+    if extent.is_small() {
         cover_small(corners, window, covered);
     } else {
         cover_large(corners, window, covered);
+    }
+}
+
+/// An edge function over samples, in 32 bits.
+#[derive(Clone, Copy)]
+struct Slope {
+    value: i32,
+    right: i32,
+    down: i32,
+    bias: i32,
+}
+
+impl Slope {
+    /// Its bias included, at a sample.
+    #[inline]
+    fn new(p: &Corner, q: &Corner, column: i32, row: i32) -> Self {
+        let (dx, dy) = (q.x - p.x, q.y - p.y);
+        let (x, y) = ((column << SUB_BITS) - p.x, (row << SUB_BITS) - p.y);
+        let bias = bias(p, q);
+        Self {
+            value: dx * y - dy * x + bias,
+            right: -(dy << SUB_BITS),
+            down: dx << SUB_BITS,
+            bias,
+        }
     }
 }
 
@@ -98,23 +158,22 @@ fn cover_small(
     covered: &mut impl FnMut(i32, i32, [f32; 2]),
 ) {
     let (left, top) = (window.columns.start, window.rows.start);
-    let start = |p: &Corner, q: &Corner| {
-        let (x, y) = ((left << SUB_BITS) - p.x, (top << SUB_BITS) - p.y);
-        (q.x - p.x) * y - (q.y - p.y) * x
-    };
-    let mut rows = [start(b, c), start(c, a), start(a, b)];
-    let right = [b.y - c.y, c.y - a.y, a.y - b.y].map(|d| d << SUB_BITS);
-    let down = [c.x - b.x, a.x - c.x, b.x - a.x].map(|d| d << SUB_BITS);
-    let bias = [bias(b, c), bias(c, a), bias(a, b)];
-    for row in window.rows.clone() {
-        let mut e = rows;
-        for column in window.columns.clone() {
-            if (e[0] + bias[0]) | (e[1] + bias[1]) | (e[2] + bias[2]) >= 0 {
-                covered(column, row, [e[1] as f32, e[2] as f32]);
+    let mut s0 = Slope::new(b, c, left, top);
+    let mut s1 = Slope::new(c, a, left, top);
+    let mut s2 = Slope::new(a, b, left, top);
+    for row in top..window.rows.end {
+        let (mut e0, mut e1, mut e2) = (s0.value, s1.value, s2.value);
+        for column in left..window.columns.end {
+            if e0 | e1 | e2 >= 0 {
+                covered(column, row, [(e1 - s1.bias) as f32, (e2 - s2.bias) as f32]);
             }
-            e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
+            e0 += s0.right;
+            e1 += s1.right;
+            e2 += s2.right;
         }
-        rows = [rows[0] + down[0], rows[1] + down[1], rows[2] + down[2]];
+        s0.value += s0.down;
+        s1.value += s1.down;
+        s2.value += s2.down;
     }
 }
 
@@ -175,7 +234,7 @@ mod tests {
             rows: 0..40,
         };
         let corners = oriented(corners, two_areas(&corners));
-        let window = window(&corners, &within);
+        let window = Extent::new(&corners).window(&within);
         let mut found = Vec::new();
         let mut note = |x, y, e| found.push((x, y, e));
         if large {
@@ -208,7 +267,7 @@ mod tests {
         }
     }
 
-    /// Barrycentric signs decide inside; on an edge, the triangle's samples are
+    /// Barycentric signs decide inside; on an edge, the triangle's samples are
     /// those that a shift by an infinitesimal amount to the right and, less so,
     /// downwards, brings inside.
     #[test]
@@ -228,6 +287,7 @@ mod tests {
                     (edge(p, q, x, y), -dy, dx) > (0, 0, 0)
                 });
                 assert_eq!(found.iter().any(|f| (f.0, f.1) == (x, y)), inside);
+                assert_eq!(covers(&[a, b, c], x, y), inside);
             }
         }
     }

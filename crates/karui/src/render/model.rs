@@ -12,7 +12,8 @@ pub struct Model<'a> {
     pub meshes: Vec<&'a TriMesh>,
     /// Where they stand.
     pub instances: Vec<Instance>,
-    /// Materials that ranges name.
+    /// Materials that ranges name. With none at all everything is grey, whatever
+    /// ranges say.
     pub materials: &'a [Material],
     /// Textures that materials name.
     pub textures: &'a [Texture],
@@ -33,7 +34,7 @@ pub struct Instance {
 }
 
 impl<'a> Model<'a> {
-    /// One mesh where it is, without material.
+    /// One mesh where it is, without materials.
     #[must_use]
     pub fn of_mesh(mesh: &'a TriMesh) -> Self {
         Self {
@@ -101,6 +102,9 @@ impl<'a> Model<'a> {
         if let Some(index) = mesh.positions.iter().position(|p| !p.is_finite()) {
             let what = "position".into();
             return Err(Error::NotFinite { what, index });
+        }
+        if self.materials.is_empty() {
+            return Ok(());
         }
         let mut ranges = mesh.ranges.iter().enumerate();
         ranges.try_for_each(|(index, range)| {

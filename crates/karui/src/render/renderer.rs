@@ -132,10 +132,10 @@ impl<'a> Renderer<'a> {
 
     #[inline]
     pub(super) fn material(&self, part: &Part<'_>) -> &Prepared {
-        match part.material {
-            Some(index) => &self.materials.prepared[index as usize],
-            None => &Prepared::CLAY,
-        }
+        let known = part
+            .material
+            .and_then(|m| self.materials.prepared.get(m as usize));
+        known.unwrap_or(&Prepared::CLAY)
     }
 }
 

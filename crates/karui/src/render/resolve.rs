@@ -6,7 +6,7 @@ use super::frame::{Frame, Hit};
 use super::layers::{Layer, collect};
 use super::options::{Outputs, RenderOptions};
 use super::pass::Pass;
-use super::shade::Shader;
+use super::shade::{Seen, Shader};
 use super::{Picture, renderer::Renderer};
 use crate::geom::Vec4;
 use rayon::prelude::*;
@@ -27,24 +27,20 @@ struct Scratch {
 
 pub(super) fn resolve(pass: &Pass<'_>, shader: &Shader<'_>) -> Frame {
     let options = shader.options;
-    let mut frame = blank(options);
+    let mut frame = blank(options, shader.encoded_background());
     let rows: Vec<Rows<'_>> = split(&mut frame, options, pass.bands());
     let bands = rows.into_par_iter().enumerate();
     bands.for_each_init(Scratch::default, |scratch, (index, mut rows)| {
         scratch.band.draw(pass, shader, index);
-        let outputs = options.outputs;
-        if outputs.color {
+        if options.outputs.color {
             collect(&mut scratch.layers, pass, &scratch.band, index);
-            rows.shade(shader, scratch);
         }
-        if outputs.depth || outputs.hits {
-            rows.locate(pass, shader, &scratch.band);
-        }
+        rows.resolve(pass, shader, scratch);
     });
     frame
 }
 
-fn blank(options: &RenderOptions<'_>) -> Frame {
+fn blank(options: &RenderOptions<'_>, background: [u8; 4]) -> Frame {
     let Outputs { color, depth, hits } = options.outputs;
     let (width, height) = (options.width, options.height);
     let pixels = |wanted: bool| {
@@ -58,7 +54,7 @@ fn blank(options: &RenderOptions<'_>) -> Frame {
     Frame {
         width,
         height,
-        color: Picture::filled(w, h, [0; 4]),
+        color: Picture::filled(w, h, background),
         depth: vec![f32::INFINITY; pixels(depth)],
         hits: vec![Hit::MISS; pixels(hits)],
     }
@@ -78,58 +74,76 @@ fn split<'f>(frame: &'f mut Frame, options: &RenderOptions<'_>, bands: usize) ->
 }
 
 impl Rows<'_> {
-    fn shade(&mut self, shader: &Shader<'_>, scratch: &Scratch) {
-        let n = shader.options.samples as usize;
+    fn resolve(&mut self, pass: &Pass<'_>, shader: &Shader<'_>, scratch: &Scratch) {
         let Scratch { band, layers } = scratch;
+        let n = shader.options.samples as usize;
         let width = band.width / n;
-        let by_count = 1.0 / (n * n) as f32;
-        for (i, pixel) in self.color.iter_mut().enumerate() {
-            let (left, top) = (i % width * n, i / width * n);
-            let mut sum = Vec4::ZERO;
-            for k in 0..n * n {
-                let slot = (top + k / n) * band.width + left + k % n;
-                sum += sample(shader, band, layers, slot);
+        for y in 0..band.keys.len() / band.width / n {
+            for x in 0..width {
+                let slot = (y * band.width + x) * n;
+                let rows = (0..n).map(|k| slot + k * band.width);
+                let empty = |row: usize| band.keys[row..row + n].iter().all(|&key| key == 0);
+                if !layers.is_empty() || !rows.clone().all(empty) {
+                    self.pixel(pass, shader, scratch, (y * width + x, slot));
+                }
             }
-            *pixel = shader.encoded(sum * by_count);
         }
     }
 
-    fn locate(&mut self, pass: &Pass<'_>, shader: &Shader<'_>, band: &Band) {
+    /// Pixel `i` of the band, whose first sample is at `slot`.
+    #[inline]
+    fn pixel(
+        &mut self,
+        pass: &Pass<'_>,
+        shader: &Shader<'_>,
+        Scratch { band, layers }: &Scratch,
+        (i, slot): (usize, usize),
+    ) {
         let n = shader.options.samples as usize;
-        let (width, inner) = (band.width / n, (n - 1) / 2);
-        let count = self.depth.len().max(self.hits.len());
-        for i in 0..count {
-            let (x, y) = (i % width * n + inner, i / width * n + inner);
-            let Some(t) = triangle_of(band.keys[y * band.width + x]) else {
+        let (left, top) = band.place_of(slot);
+        let middle = (n - 1) / 2;
+        let mut sum = Vec4::ZERO;
+        for (r, c) in (0..n).flat_map(|r| (0..n).map(move |c| (r, c))) {
+            let is_middle = (r, c) == (middle, middle);
+            if self.color.is_empty() && !is_middle {
                 continue;
-            };
-            let place = pass.place(t, x as i32, y as i32 + band.first_row);
-            if let Some(depth) = self.depth.get_mut(i) {
-                *depth = place.depth;
             }
-            if let Some(hit) = self.hits.get_mut(i) {
-                *hit = hit_of(shader.renderer, t, place.weights());
+            let slot = slot + r * band.width + c;
+            let (column, row) = (left + c as i32, top + r as i32);
+            let seen = triangle_of(band.keys[slot]).map(|t| Seen::new(pass, t, column, row));
+            if let Some(seen) = seen.as_ref().filter(|_| is_middle) {
+                self.note(shader.renderer, i, seen);
             }
+            if !self.color.is_empty() {
+                sum += shader.color(column, row, layers_at(layers, slot), seen.as_ref());
+            }
+        }
+        if let Some(pixel) = self.color.get_mut(i) {
+            *pixel = shader.encoded(sum * (1.0 / (n * n) as f32));
+        }
+    }
+
+    fn note(&mut self, renderer: &Renderer<'_>, i: usize, seen: &Seen) {
+        if let Some(depth) = self.depth.get_mut(i) {
+            *depth = seen.place.depth;
+        }
+        if let Some(hit) = self.hits.get_mut(i) {
+            *hit = hit_of(renderer, seen.triangle, seen.place.weights());
         }
     }
 }
 
+/// Triangles that are blended at a sample, front to back.
 #[inline]
-fn sample(shader: &Shader<'_>, band: &Band, layers: &[Layer], slot: usize) -> Vec4 {
-    let column = (slot % band.width) as i32;
-    let row = (slot / band.width) as i32 + band.first_row;
-    let solid = triangle_of(band.keys[slot]);
-    if layers.is_empty() {
-        return shader.color(column, row, std::iter::empty(), solid);
-    }
-    let start = layers.partition_point(|layer| (layer.slot as usize) < slot);
+fn layers_at(layers: &[Layer], slot: usize) -> impl Iterator<Item = u32> {
+    let at = |layer: &Layer| layer.slot as usize;
+    let start = layers.partition_point(|layer| at(layer) < slot);
     let here = layers[start..]
         .iter()
-        .take_while(|layer| layer.slot as usize == slot)
+        .take_while(|layer| at(layer) == slot)
         .count();
     let front_to_back = layers[start..start + here].iter().rev();
-    let triangles = front_to_back.filter_map(|layer| triangle_of(layer.key));
-    shader.color(column, row, triangles, solid)
+    front_to_back.filter_map(|layer| triangle_of(layer.key))
 }
 
 fn hit_of(renderer: &Renderer<'_>, t: u32, [_, b, c]: [f32; 3]) -> Hit {

@@ -22,6 +22,22 @@ pub(super) struct Shader<'a> {
     background: Vec4,
 }
 
+/// A triangle, and where on it a sample lies.
+pub(super) struct Seen {
+    pub triangle: u32,
+    pub place: Place,
+}
+
+impl Seen {
+    #[inline]
+    pub(super) fn new(pass: &Pass<'_>, triangle: u32, column: i32, row: i32) -> Self {
+        Self {
+            triangle,
+            place: pass.place(triangle, column, row),
+        }
+    }
+}
+
 enum Prepared {
     Directional(Incident),
     Point { position: Vec3, radiance: Vec3 },
@@ -48,8 +64,8 @@ impl<'a> Shader<'a> {
 
     /// Whether a masked triangle is there at a sample.
     pub(super) fn is_solid(&self, triangle: u32, column: i32, row: i32) -> bool {
-        let place = self.pass.place(triangle, column, row);
-        let sample = Sample::new(self, triangle, &place);
+        let seen = Seen::new(self.pass, triangle, column, row);
+        let sample = Sample::new(self, &seen);
         match sample.material.alpha_mode {
             AlphaMode::Mask(cutoff) => sample.base_color().w >= cutoff,
             _ => true,
@@ -58,64 +74,67 @@ impl<'a> Shader<'a> {
 
     /// Colour at a sample, linear and premultiplied: layers from front to back,
     /// then what is solid, if anything is.
+    #[inline]
     pub(super) fn color(
         &self,
         column: i32,
         row: i32,
         layers: impl Iterator<Item = u32>,
-        solid: Option<u32>,
+        solid: Option<&Seen>,
     ) -> Vec4 {
         let mut color = Vec4::ZERO;
         for triangle in layers {
-            color += self.layer(triangle, column, row) * (1.0 - color.w);
+            let seen = Seen::new(self.pass, triangle, column, row);
+            color += self.layer(&seen, column, row) * (1.0 - color.w);
         }
         let behind = match solid {
-            Some(triangle) => self.layer(triangle, column, row),
+            Some(seen) => self.layer(seen, column, row),
             None => self.background,
         };
         color + behind * (1.0 - color.w)
     }
 
     /// Colour of one surface, linear and premultiplied.
-    fn layer(&self, triangle: u32, column: i32, row: i32) -> Vec4 {
-        let place = self.pass.place(triangle, column, row);
-        let sample = Sample::new(self, triangle, &place);
+    fn layer(&self, seen: &Seen, column: i32, row: i32) -> Vec4 {
+        let sample = Sample::new(self, seen);
         let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let (position, to_viewer) = self.pass.view.unproject(x, y, place.depth);
-        let surface = sample.surface(to_viewer);
+        let surface = sample.surface(self.pass.view.viewer_from(x, y));
         let alpha = match sample.material.alpha_mode {
             AlphaMode::Blend => unit(surface.alpha),
             _ => 1.0,
         };
+        let position = || self.pass.view.unproject(x, y, seen.place.depth);
         let light = match self.options.shading {
             Shading::Unlit => surface.base + surface.emissive,
             shading => self.lit(&Answer::new(surface, shading), position) + surface.emissive,
         };
         let color = premultiplied(light.min(Vec3::splat(1e4)).extend(alpha));
         match &self.options.wireframe {
-            Some(lines) => self.lined(color, lines, &place),
+            Some(lines) => self.lined(color, lines, &seen.place),
             None => color,
         }
     }
 
     #[inline]
-    fn lit(&self, answer: &Answer, position: Vec3) -> Vec3 {
-        let lights = self.lights.iter().map(|light| match light {
-            Prepared::Directional(incident) => answer.to(incident),
-            Prepared::Point {
-                position: from,
-                radiance,
-            } => {
-                let way = *from - position;
-                let squared = way.length_squared().max(f32::MIN_POSITIVE);
-                answer.to(&Incident {
-                    to_light: way * (1.0 / squared.sqrt()),
-                    radiance: *radiance * (1.0 / squared),
-                })
-            }
-        });
-        let ambient = answer.to_ambient(&self.options.ambient, self.up);
-        lights.fold(ambient, |sum, light| sum + light)
+    fn lit(&self, answer: &Answer, position: impl Fn() -> Vec3) -> Vec3 {
+        let mut sum = answer.to_ambient(&self.options.ambient, self.up);
+        for light in &self.lights {
+            sum += match light {
+                Prepared::Directional(incident) => answer.to(incident),
+                Prepared::Point {
+                    position: from,
+                    radiance,
+                } => {
+                    let way = *from - position();
+                    let squared = way.length_squared().max(f32::MIN_POSITIVE);
+                    answer.to(&Incident {
+                        to_light: way * (1.0 / squared.sqrt()),
+                        radiance: *radiance * (1.0 / squared),
+                    })
+                }
+            };
+        }
+        sum
     }
 
     /// With the triangle's half of the lines it shares.
@@ -127,15 +146,25 @@ impl<'a> Shader<'a> {
         line + color * (1.0 - line.w)
     }
 
+    /// What is stored where there is nothing.
+    pub(super) fn encoded_background(&self) -> [u8; 4] {
+        self.encoded(self.background)
+    }
+
     /// A linear, premultiplied colour as it is stored.
     #[inline]
     pub(super) fn encoded(&self, color: Vec4) -> [u8; 4] {
         if color.w <= 0.0 {
             return [0; 4];
         }
-        let straight = color.truncate() * (1.0 / color.w);
-        let [r, g, b] = straight.to_array().map(|c| self.srgb.code(c));
-        [r, g, b, plain_code(color.w)]
+        let by_alpha = 1.0 / color.w;
+        let code = |c: f32| self.srgb.code(c * by_alpha);
+        [
+            code(color.x),
+            code(color.y),
+            code(color.z),
+            plain_code(color.w),
+        ]
     }
 }
 

@@ -55,11 +55,9 @@ impl Srgb {
     #[inline]
     pub(super) fn code(self, linear: f32) -> u8 {
         let linear = unit(linear);
-        let mut code = self.start[(linear * STEPS as f32) as usize];
-        while linear >= self.least[usize::from(code)] {
-            code += 1;
-        }
-        code
+        let code = self.start[(linear * STEPS as f32) as usize];
+        // Codes are wider than the steps of the table: at most one begins in each.
+        code + u8::from(linear >= self.least[usize::from(code)])
     }
 }
 

@@ -5,7 +5,7 @@ use super::geometry::Part;
 use super::material::Prepared;
 use super::options::{Normals, Paint, Scalar};
 use super::place::Place;
-use super::shade::Shader;
+use super::shade::{Seen, Shader};
 use super::texture::Lookup;
 use crate::geom::{Vec2, Vec3, Vec4};
 
@@ -21,7 +21,9 @@ pub(super) struct Sample<'s> {
 
 impl<'s> Sample<'s> {
     #[inline]
-    pub(super) fn new(shader: &'s Shader<'s>, triangle: u32, place: &'s Place) -> Self {
+    pub(super) fn new(shader: &'s Shader<'s>, seen: &'s Seen) -> Self {
+        let Seen { triangle, place } = seen;
+        let triangle = *triangle;
         let renderer = shader.renderer;
         let part = renderer.part_of(triangle);
         Self {
@@ -34,6 +36,7 @@ impl<'s> Sample<'s> {
         }
     }
 
+    #[inline]
     pub(super) fn surface(&self, to_viewer: Vec3) -> Surface {
         let (base, m) = match &self.shader.options.paint {
             Paint::Material => (self.base_color(), self.material),
@@ -90,8 +93,12 @@ impl<'s> Sample<'s> {
     }
 
     /// What a texture holds here; `None` without texture or without UVs for it.
+    #[inline]
     fn texel(&self, lookup: &Option<Lookup>) -> Option<[f32; 4]> {
-        let lookup = lookup.as_ref()?;
+        self.looked_up(lookup.as_ref()?)
+    }
+
+    fn looked_up(&self, lookup: &Lookup) -> Option<[f32; 4]> {
         let uvs = self.uvs(lookup)?;
         let mixed = |[a, b, c]: [f32; 3]| uvs[0] * a + uvs[1] * b + uvs[2] * c;
         let slopes = self.place.slopes().map(mixed);

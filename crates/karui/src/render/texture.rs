@@ -98,7 +98,9 @@ impl Lookup {
     }
 }
 
-/// Rows of translation * rotation * scale (`KHR_texture_transform`).
+/// Rows of translation * rotation * scale (`KHR_texture_transform`). Counter-clockwise
+/// is meant as seen, with v downwards: so says its text and do the sample viewer and
+/// three.js; the code in it turns the other way.
 fn rows(used: &TextureRef) -> [[f32; 3]; 2] {
     let Some(t) = used.transform else {
         return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

@@ -18,13 +18,14 @@ pub struct View {
     forward: DVec3,
     /// Samples a unit at distance 1, or a unit anywhere without perspective.
     focal: f64,
+    by_focal: f64,
     center: [f64; 2],
     pub(super) near: f64,
     pub(super) far: f64,
     pub(super) perspective: bool,
-    /// Whether something may lie beyond a plane that was asked for.
-    pub(super) cut_near: bool,
-    pub(super) cut_far: bool,
+    /// Depths at which something is cut; infinite where nothing can be.
+    least: f64,
+    most: f64,
     rows: [[f64; 4]; 3],
 }
 
@@ -38,9 +39,6 @@ pub(super) struct Homogeneous {
     pub w: f64,
 }
 
-/// One bit for every plane that a position lies outside of.
-pub(super) const OUTSIDE: [u32; 6] = [1, 2, 4, 8, 16, 32];
-
 impl View {
     /// The view of a camera on something with these bounds.
     ///
@@ -51,18 +49,25 @@ impl View {
         let (near, far) = camera.depth_range(bounds)?;
         let center = [0.5 * f64::from(width), 0.5 * f64::from(height)];
         let perspective = matches!(camera.projection, Projection::Perspective { .. });
+        let cut_near = perspective || camera.near.is_some();
+        let focal = camera.scale()? * center[1];
         let mut view = Self {
             eye: camera.eye.as_dvec3(),
             right: axes.right,
             up: axes.up,
             forward: axes.forward,
-            focal: camera.scale()? * center[1],
+            focal,
+            by_focal: 1.0 / focal,
             center,
             near,
             far,
             perspective,
-            cut_near: perspective || camera.near.is_some(),
-            cut_far: camera.far.is_some(),
+            least: if cut_near { near } else { f64::NEG_INFINITY },
+            most: if camera.far.is_some() {
+                far
+            } else {
+                f64::INFINITY
+            },
             rows: [[0.0; 4]; 3],
         };
         view.rows = view.world_rows();
@@ -115,28 +120,29 @@ impl View {
         seen.then(|| DVec3::new(h.x / h.w, h.y / h.w, h.depth))
     }
 
-    /// What is seen at x and y at a distance along the view, and the unit vector
-    /// from there to the viewer.
-    pub(super) fn unproject(&self, x: f32, y: f32, depth: f32) -> (Vec3, Vec3) {
-        let (x, y) = self.aside(x, y);
-        let aside = self.right * x + self.up * y;
-        let depth = f64::from(depth);
+    /// The ray through x and y: what it passes at distance 0 along the view, and
+    /// what it moves by for every unit of that distance.
+    #[inline]
+    fn ray(&self, x: f32, y: f32) -> (DVec3, DVec3) {
+        let by = |at: f32, middle: f64| (f64::from(at) - middle) * self.by_focal;
+        let aside = self.right * by(x, self.center[0]) - self.up * by(y, self.center[1]);
         if self.perspective {
-            let ray = self.forward + aside;
-            let to_viewer = -ray.as_vec3();
-            return (
-                (self.eye + ray * depth).as_vec3(),
-                to_viewer * (1.0 / to_viewer.length()),
-            );
+            return (self.eye, self.forward + aside);
         }
-        let place = self.eye + aside + self.forward * depth;
-        (place.as_vec3(), -self.forward.as_vec3())
+        (self.eye + aside, self.forward)
     }
 
-    /// Steps to the right and up at distance 1.
-    fn aside(&self, x: f32, y: f32) -> (f64, f64) {
-        let by = |at: f32, middle: f64| (f64::from(at) - middle) / self.focal;
-        (by(x, self.center[0]), -by(y, self.center[1]))
+    /// What is seen at x and y at a distance along the view.
+    pub(super) fn unproject(&self, x: f32, y: f32, depth: f32) -> Vec3 {
+        let (from, step) = self.ray(x, y);
+        (from + step * f64::from(depth)).as_vec3()
+    }
+
+    /// The unit vector to the viewer from what is seen at x and y.
+    #[inline]
+    pub(super) fn viewer_from(&self, x: f32, y: f32) -> Vec3 {
+        let back = -self.ray(x, y).1.as_vec3();
+        back * (1.0 / back.length())
     }
 
     /// What is compared between surfaces: larger is closer, 0 at the far plane, and
@@ -162,16 +168,7 @@ impl View {
     /// and those of the guard band around the picture.
     pub(super) fn inside(&self, h: &Homogeneous) -> [f64; 6] {
         let guard = GUARD * h.w;
-        let near = if self.cut_near {
-            h.depth - self.near
-        } else {
-            1.0
-        };
-        let far = if self.cut_far {
-            self.far - h.depth
-        } else {
-            1.0
-        };
+        let (near, far) = (h.depth - self.least, self.most - h.depth);
         [
             near,
             far,
@@ -185,8 +182,13 @@ impl View {
     /// The planes that a position lies outside of, one bit each.
     #[inline]
     pub(super) fn outside(&self, h: &Homogeneous) -> u32 {
+        let guard = GUARD * h.w;
+        let between = h.depth >= self.least && h.depth <= self.most;
+        if between && h.x.abs() <= guard && h.y.abs() <= guard {
+            return 0;
+        }
         let inside = self.inside(h);
-        let bit = |k: usize| if inside[k] >= 0.0 { 0 } else { OUTSIDE[k] };
+        let bit = |k: usize| if inside[k] >= 0.0 { 0 } else { 1 << k };
         // Behind the near plane, sides mean nothing.
         if bit(0) != 0 {
             return bit(0);

@@ -18,7 +18,11 @@ pub(super) struct Net {
 
 impl Net {
     pub fn of(triangle: &[[u32; 3]]) -> Self {
-        let points = triangle.iter().flatten().max().map_or(0, |&p| p as usize + 1);
+        let points = triangle
+            .iter()
+            .flatten()
+            .max()
+            .map_or(0, |&p| p as usize + 1);
         // The edges from a point to those of higher numbers are a chain, each by
         // its first half-edge.
         let mut first = vec![NONE; points];
