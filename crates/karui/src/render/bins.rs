@@ -109,7 +109,7 @@ impl Picked<'_> {
     }
 
     /// Rows whose samples a triangle may cover; none if it is not shown.
-    #[inline]
+    #[inline(always)]
     fn rows(&self, corners: &[Corner; 3], how: Treatment) -> Range<i32> {
         let window = Extent::new(corners).window(&self.picture);
         if window.is_empty() {

@@ -4,7 +4,7 @@ use super::bins::{BAND, Bins, Kind, Picked, Treatment};
 use super::edges::Window;
 use super::geometry::Geometry;
 use super::options::{Faces, RenderOptions};
-use super::place::Place;
+use super::place::{Place, Steps};
 use super::project::{Corner, project};
 use super::renderer::Renderer;
 use super::view::{Homogeneous, View};
@@ -76,6 +76,17 @@ impl<'a> Pass<'a> {
         }
         let corners = self.geometry.homogeneous(&self.view, t as usize);
         Place::of_homogeneous(&corners, column, row)
+    }
+}
+
+impl Pass<'_> {
+    /// See [`Steps`].
+    pub(super) fn steps(&self, t: u32) -> Steps {
+        let corners = self.corners_of(t);
+        if corners.iter().all(|c| c.outside == 0) {
+            return Steps::of_corners(&corners);
+        }
+        Steps::of_homogeneous(&self.geometry.homogeneous(&self.view, t as usize))
     }
 }
 

@@ -10,9 +10,6 @@ use super::view::{Homogeneous, View};
 pub(super) struct Place {
     /// Twice the areas opposite the corners, their signs the same inside.
     edges: [f64; 3],
-    /// What a step to the right adds, and one downwards.
-    right: [f64; 3],
-    down: [f64; 3],
     /// Factors that undo the perspective.
     scales: [f64; 3],
     /// 1 by the sum of the scaled edge functions.
@@ -31,12 +28,9 @@ impl Place {
         let [a, b, c] = corners;
         let area = two_areas(corners);
         let (e1, e2) = (edge(c, a, column, row), edge(a, b, column, row));
-        let by_step = |d: i32| f64::from(d) * f64::from(1u32 << SUB_BITS);
         let closeness = [a, b, c].map(|p| f64::from(p.closeness));
         let mut place = Self {
             edges: [area - e1 - e2, e1, e2].map(|e| e as f64),
-            right: [b.y - c.y, c.y - a.y, a.y - b.y].map(by_step),
-            down: [c.x - b.x, a.x - c.x, b.x - a.x].map(by_step),
             scales: if view.perspective {
                 closeness
             } else {
@@ -59,15 +53,13 @@ impl Place {
     /// conversion using 2D homogeneous coordinates", 1997).
     pub(super) fn of_homogeneous(corners: &[Homogeneous; 3], column: i32, row: i32) -> Self {
         let (x, y) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let lines = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| line(&corners[i], &corners[j]));
+        let lines = lines(corners);
         let edges = lines.map(|[a, b, c]| a * x + b * y + c);
         let sum = edges[0] + edges[1] + edges[2];
         let [p, ..] = corners;
         let determinant = lines[0][0] * p.x + lines[0][1] * p.y + lines[0][2] * p.w;
         let mut place = Self {
             edges,
-            right: lines.map(|l| l[0]),
-            down: lines.map(|l| l[1]),
             scales: [1.0; 3],
             by_sum: 1.0 / sum,
             counter_clockwise: determinant < 0.0,
@@ -91,10 +83,10 @@ impl Place {
     }
 
     /// What a step to the right changes the weights by, and one downwards.
-    pub(super) fn slopes(&self) -> [[f32; 3]; 2] {
+    pub(super) fn slopes(&self, steps: &Steps) -> [[f32; 3]; 2] {
         let weight: [f64; 3] =
             std::array::from_fn(|k| self.edges[k] * self.scales[k] * self.by_sum);
-        [self.right, self.down].map(|step| {
+        [steps.right, steps.down].map(|step| {
             let sum = dot(step, self.scales);
             std::array::from_fn(|k| {
                 ((step[k] * self.scales[k] - weight[k] * sum) * self.by_sum) as f32
@@ -103,13 +95,44 @@ impl Place {
     }
 
     /// Distance to the closest edge, samples.
-    pub(super) fn edge_distance(&self) -> f32 {
+    pub(super) fn edge_distance(&self, steps: &Steps) -> f32 {
         let distance = |k: usize| {
-            let (dx, dy) = (self.right[k], self.down[k]);
+            let (dx, dy) = (steps.right[k], steps.down[k]);
             self.edges[k].abs() / (dx * dx + dy * dy).sqrt()
         };
         distance(0).min(distance(1)).min(distance(2)) as f32
     }
+}
+
+/// What a step of one sample to the right adds to the functions of a [`Place`], and
+/// one downwards.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    right: [f64; 3],
+    down: [f64; 3],
+}
+
+impl Steps {
+    pub(super) fn of_corners([a, b, c]: &[Corner; 3]) -> Self {
+        let by_sample = |d: i32| f64::from(d) * f64::from(1u32 << SUB_BITS);
+        Self {
+            right: [b.y - c.y, c.y - a.y, a.y - b.y].map(by_sample),
+            down: [c.x - b.x, a.x - c.x, b.x - a.x].map(by_sample),
+        }
+    }
+
+    pub(super) fn of_homogeneous(corners: &[Homogeneous; 3]) -> Self {
+        let lines = lines(corners);
+        Self {
+            right: lines.map(|l| l[0]),
+            down: lines.map(|l| l[1]),
+        }
+    }
+}
+
+/// The lines opposite the corners.
+fn lines([a, b, c]: &[Homogeneous; 3]) -> [[f64; 3]; 3] {
+    [line(b, c), line(c, a), line(a, b)]
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

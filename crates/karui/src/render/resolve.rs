@@ -81,12 +81,41 @@ impl Rows<'_> {
         for y in 0..band.keys.len() / band.width / n {
             for x in 0..width {
                 let slot = (y * band.width + x) * n;
+                if n == 1 {
+                    if !layers.is_empty() || band.keys[slot] != 0 {
+                        self.single(pass, shader, scratch, slot);
+                    }
+                    continue;
+                }
                 let rows = (0..n).map(|k| slot + k * band.width);
                 let empty = |row: usize| band.keys[row..row + n].iter().all(|&key| key == 0);
                 if !layers.is_empty() || !rows.clone().all(empty) {
                     self.pixel(pass, shader, scratch, (y * width + x, slot));
                 }
             }
+        }
+    }
+
+    /// A pixel that is its only sample.
+    #[inline]
+    fn single(
+        &mut self,
+        pass: &Pass<'_>,
+        shader: &Shader<'_>,
+        Scratch { band, layers }: &Scratch,
+        slot: usize,
+    ) {
+        let (column, row) = band.place_of(slot);
+        let seen = triangle_of(band.keys[slot]).map(|t| Seen::new(pass, t, column, row));
+        if let Some(seen) = &seen {
+            self.note(shader.renderer, slot, seen);
+        }
+        if let Some(pixel) = self.color.get_mut(slot) {
+            let color = match &seen {
+                Some(seen) if layers.is_empty() => shader.layer(seen, column, row),
+                _ => shader.color(column, row, layers_at(layers, slot), seen.as_ref()),
+            };
+            *pixel = shader.encoded(color);
         }
     }
 

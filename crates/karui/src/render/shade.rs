@@ -9,6 +9,7 @@ use super::srgb::{Srgb, plain_code, unit};
 use super::surface::Sample;
 use crate::geom::{Light, Vec3, Vec4};
 use crate::mesh::AlphaMode;
+use smallvec::SmallVec;
 
 /// Everything that colours depend on.
 pub(super) struct Shader<'a> {
@@ -16,7 +17,9 @@ pub(super) struct Shader<'a> {
     pub pass: &'a Pass<'a>,
     pub options: &'a RenderOptions<'a>,
     pub srgb: Srgb,
-    lights: Vec<Prepared>,
+    /// Those from far away, four by four, and those from nearby.
+    distant: Vec<Incident>,
+    nearby: Vec<Nearby>,
     up: Vec3,
     /// Linear, premultiplied.
     background: Vec4,
@@ -38,9 +41,9 @@ impl Seen {
     }
 }
 
-enum Prepared {
-    Directional(Incident),
-    Point { position: Vec3, radiance: Vec3 },
+struct Nearby {
+    position: Vec3,
+    radiance: Vec3,
 }
 
 impl<'a> Shader<'a> {
@@ -51,12 +54,14 @@ impl<'a> Shader<'a> {
         options: &'a RenderOptions<'a>,
     ) -> Self {
         let srgb = Srgb::new();
+        let directional: Vec<_> = lights.iter().filter_map(directional).collect();
         Self {
             renderer,
             pass,
             options,
             srgb,
-            lights: lights.iter().filter_map(prepared).collect(),
+            distant: directional.chunks(4).map(Incident::new).collect(),
+            nearby: lights.iter().filter_map(nearby).collect(),
             up: pass.view.up(),
             background: premultiplied(linear(srgb, options.background)),
         }
@@ -95,52 +100,48 @@ impl<'a> Shader<'a> {
     }
 
     /// Colour of one surface, linear and premultiplied.
-    fn layer(&self, seen: &Seen, column: i32, row: i32) -> Vec4 {
+    pub(super) fn layer(&self, seen: &Seen, column: i32, row: i32) -> Vec4 {
         let sample = Sample::new(self, seen);
         let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
         let surface = sample.surface(self.pass.view.viewer_from(x, y));
         let alpha = match sample.material.alpha_mode {
-            AlphaMode::Blend => unit(surface.alpha),
+            AlphaMode::Blend => unit(surface.base.w),
             _ => 1.0,
         };
-        let position = || self.pass.view.unproject(x, y, seen.place.depth);
         let light = match self.options.shading {
             Shading::Unlit => surface.base + surface.emissive,
-            shading => self.lit(&Answer::new(surface, shading), position) + surface.emissive,
+            shading => {
+                let position = || self.pass.view.unproject(x, y, seen.place.depth);
+                self.lit(&Answer::new(&surface, shading), position) + surface.emissive
+            }
         };
-        let color = premultiplied(light.min(Vec3::splat(1e4)).extend(alpha));
+        let color = (light.min(Vec4::splat(1e4)) * alpha).with_w(alpha);
         match &self.options.wireframe {
-            Some(lines) => self.lined(color, lines, &seen.place),
+            Some(lines) => self.lined(color, lines, seen),
             None => color,
         }
     }
 
     #[inline]
-    fn lit(&self, answer: &Answer, position: impl Fn() -> Vec3) -> Vec3 {
+    fn lit(&self, answer: &Answer, position: impl Fn() -> Vec3) -> Vec4 {
         let mut sum = answer.to_ambient(&self.options.ambient, self.up);
-        for light in &self.lights {
-            sum += match light {
-                Prepared::Directional(incident) => answer.to(incident),
-                Prepared::Point {
-                    position: from,
-                    radiance,
-                } => {
-                    let way = *from - position();
-                    let squared = way.length_squared().max(f32::MIN_POSITIVE);
-                    answer.to(&Incident {
-                        to_light: way * (1.0 / squared.sqrt()),
-                        radiance: *radiance * (1.0 / squared),
-                    })
-                }
-            };
+        for lights in &self.distant {
+            sum += answer.to(lights);
+        }
+        if !self.nearby.is_empty() {
+            let position = position();
+            for lights in self.nearby.chunks(4) {
+                let lights = lights.iter().map(|light| light.at(position));
+                sum += answer.to(&Incident::new(&lights.collect::<SmallVec<[_; 4]>>()));
+            }
         }
         sum
     }
 
     /// With the triangle's half of the lines it shares.
-    fn lined(&self, color: Vec4, lines: &Wireframe, place: &Place) -> Vec4 {
+    fn lined(&self, color: Vec4, lines: &Wireframe, seen: &Seen) -> Vec4 {
         let samples = self.options.samples as f32;
-        let distance = place.edge_distance();
+        let distance = seen.place.edge_distance(&self.pass.steps(seen.triangle));
         let share = unit(0.5 * lines.width * samples + 0.5 - distance);
         let line = premultiplied(linear(self.srgb, lines.color)) * share;
         line + color * (1.0 - line.w)
@@ -168,28 +169,42 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// `None` for a light that shines nowhere.
-fn prepared(light: &Light) -> Option<Prepared> {
+/// Unit vector to the light, and radiance; `None` for one that shines nowhere.
+fn directional(light: &Light) -> Option<(Vec3, Vec3)> {
+    let Light::Directional {
+        direction,
+        color,
+        intensity,
+    } = *light
+    else {
+        return None;
+    };
+    let direction = direction.as_dvec3().try_normalize()?;
+    Some((-direction.as_vec3(), color * intensity))
+}
+
+fn nearby(light: &Light) -> Option<Nearby> {
     match *light {
-        Light::Directional {
-            direction,
-            color,
-            intensity,
-        } => {
-            let direction = direction.as_dvec3().try_normalize()?;
-            Some(Prepared::Directional(Incident {
-                to_light: -direction.as_vec3(),
-                radiance: color * intensity,
-            }))
-        }
+        Light::Directional { .. } => None,
         Light::Point {
             position,
             color,
             intensity,
-        } => Some(Prepared::Point {
+        } => Some(Nearby {
             position,
             radiance: color * intensity,
         }),
+    }
+}
+
+impl Nearby {
+    fn at(&self, position: Vec3) -> (Vec3, Vec3) {
+        let way = self.position - position;
+        let squared = way.length_squared().max(f32::MIN_POSITIVE);
+        (
+            way * (1.0 / squared.sqrt()),
+            self.radiance * (1.0 / squared),
+        )
     }
 }
 

@@ -21,10 +21,11 @@ static LEAST: LazyLock<[f32; 256]> = LazyLock::new(|| {
 
 const STEPS: usize = 4096;
 
-/// Code at the start of every 4096th of the linear range.
-static START: LazyLock<[u8; STEPS + 1]> = LazyLock::new(|| {
+/// Code of the least value that rounds to a 4096th of the linear range; as many
+/// entries as an index of 13 bits can name.
+static START: LazyLock<[u8; 2 * STEPS]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
-        let linear = i as f32 / STEPS as f32;
+        let linear = (i as f32 - 0.5) / STEPS as f32;
         LEAST.partition_point(|&least| least <= linear) as u8
     })
 });
@@ -34,7 +35,7 @@ static START: LazyLock<[u8; STEPS + 1]> = LazyLock::new(|| {
 pub(super) struct Srgb {
     linear: &'static [f32; 256],
     least: &'static [f32; 256],
-    start: &'static [u8; STEPS + 1],
+    start: &'static [u8; 2 * STEPS],
 }
 
 impl Srgb {
@@ -55,7 +56,9 @@ impl Srgb {
     #[inline]
     pub(super) fn code(self, linear: f32) -> u8 {
         let linear = unit(linear);
-        let code = self.start[(linear * STEPS as f32) as usize];
+        // Adding 2^23 leaves the nearest integer in the lowest bits.
+        let nearest = (linear * STEPS as f32 + 8_388_608.0).to_bits() as usize;
+        let code = self.start[nearest % (2 * STEPS)];
         // Codes are wider than the steps of the table: at most one begins in each.
         code + u8::from(linear >= self.least[usize::from(code)])
     }

@@ -8,6 +8,7 @@ use super::place::Place;
 use super::shade::{Seen, Shader};
 use super::texture::Lookup;
 use crate::geom::{Vec2, Vec3, Vec4};
+use std::cell::OnceCell;
 
 /// A sample on a triangle.
 pub(super) struct Sample<'s> {
@@ -17,6 +18,8 @@ pub(super) struct Sample<'s> {
     pub material: &'s Prepared,
     place: &'s Place,
     weights: [f32; 3],
+    /// See [`Place::slopes`]; what has no texture does not need them.
+    slopes: OnceCell<[[f32; 3]; 2]>,
 }
 
 impl<'s> Sample<'s> {
@@ -33,6 +36,7 @@ impl<'s> Sample<'s> {
             material: renderer.material(part),
             place,
             weights: place.weights(),
+            slopes: OnceCell::new(),
         }
     }
 
@@ -47,11 +51,10 @@ impl<'s> Sample<'s> {
         let [occluded, ..] = self.texel(&m.occlusion_lookup).unwrap_or([1.0; 4]);
         let [r, g, b, _] = self.texel(&m.emissive_lookup).unwrap_or([1.0; 4]);
         Surface {
-            base: base.truncate(),
-            alpha: base.w,
+            base,
             metallic: m.metallic * metal,
             roughness: m.roughness * rough,
-            emissive: m.emissive * Vec3::new(r, g, b),
+            emissive: (m.emissive * Vec3::new(r, g, b)).extend(0.0),
             occlusion: 1.0 + m.occlusion_strength * (occluded - 1.0),
             normal: self.normal(m),
             to_viewer,
@@ -101,7 +104,11 @@ impl<'s> Sample<'s> {
     fn looked_up(&self, lookup: &Lookup) -> Option<[f32; 4]> {
         let uvs = self.uvs(lookup)?;
         let mixed = |[a, b, c]: [f32; 3]| uvs[0] * a + uvs[1] * b + uvs[2] * c;
-        let slopes = self.place.slopes().map(mixed);
+        let slopes = self.slopes.get_or_init(|| {
+            let steps = self.shader.pass.steps(self.triangle);
+            self.place.slopes(&steps)
+        });
+        let slopes = slopes.map(mixed);
         let chain = &self.shader.renderer.materials.chains[lookup.chain];
         Some(lookup.at(chain, self.shader.srgb, mixed(self.weights), slopes))
     }
