@@ -148,7 +148,8 @@ fn unit_or_zero(n: Vec3) -> Vec3 {
     if unit.is_finite() { unit } else { Vec3::ZERO }
 }
 
-/// Components one by one: a matrix's own product may be fused on some machines.
+/// Components one by one: a matrix's own product may sum in another order on
+/// another machine.
 fn placed(m: Mat4, p: Vec3) -> Vec3 {
     let axis = |k: usize| {
         let [x, y, z, w] = [m.x_axis, m.y_axis, m.z_axis, m.w_axis].map(|c| f64::from(c[k]));
