@@ -1,8 +1,8 @@
 //! A band of rows: which triangle is closest at every sample.
 
-use super::bins::{BAND, Kind};
+use super::bins::{BAND, Entry, Kind};
 use super::clip::clip;
-use super::edges::{Extent, Window, cover, oriented, two_areas};
+use super::edges::{Extent, Window, cover_large, cover_small, oriented, two_areas};
 use super::pass::Pass;
 use super::project::Corner;
 use super::shade::Shader;
@@ -36,11 +36,12 @@ impl Band {
         self.width = within.columns.len();
         self.keys.clear();
         self.keys.resize(within.rows.len() * self.width, 0);
-        for t in pass.binned(index, Kind::Opaque) {
-            self.draw_one(pass, t, &within, |_, _| true);
+        for entry in pass.binned(index, Kind::Opaque).flatten() {
+            self.draw_one(pass, entry, &within, |_, _| true);
         }
-        for t in pass.binned(index, Kind::Masked) {
-            self.draw_one(pass, t, &within, |x, y| shader.is_solid(t, x, y));
+        for entry in pass.binned(index, Kind::Masked).flatten() {
+            let solid = |x, y| shader.is_solid(entry.triangle, x, y);
+            self.draw_one(pass, entry, &within, solid);
         }
     }
 
@@ -60,14 +61,14 @@ impl Band {
     fn draw_one(
         &mut self,
         pass: &Pass<'_>,
-        t: u32,
+        entry: &Entry,
         within: &Window,
         solid: impl Fn(i32, i32) -> bool,
     ) {
         let (first_row, width) = (self.first_row, self.width);
         let keys = &mut self.keys;
-        samples(pass, t, within, &mut |x, y, closeness| {
-            let key = key(closeness, t);
+        samples(pass, entry, within, &mut |x, y, closeness| {
+            let key = key(closeness, entry.triangle);
             let slot = &mut keys[(y - first_row) as usize * width + x as usize];
             if key > *slot && solid(x, y) {
                 *slot = key;
@@ -90,37 +91,58 @@ pub(super) fn within(pass: &Pass<'_>, index: usize) -> Window {
 #[inline]
 pub(super) fn samples(
     pass: &Pass<'_>,
-    t: u32,
+    entry: &Entry,
     within: &Window,
     covered: &mut impl FnMut(i32, i32, f32),
 ) {
-    let corners = pass.corners_of(t);
-    if corners.iter().all(|c| c.outside == 0) {
-        return samples_of(&corners, within, covered);
+    let corners = pass.corners_of(entry.triangle);
+    if let Some(window) = entry.window(&within.rows) {
+        let (corners, plane) = turned(&corners);
+        return cover_small(&corners, &window, &mut |x, y, e| covered(x, y, plane.at(e)));
     }
-    for part in clip(
-        &pass.view,
-        pass.geometry.homogeneous(&pass.view, t as usize),
-    ) {
-        samples_of(&part, within, covered);
+    if corners.iter().all(|c| c.outside == 0) {
+        return samples_of_large(&corners, within, covered);
+    }
+    let t = entry.triangle as usize;
+    for part in clip(&pass.view, pass.geometry.homogeneous(&pass.view, t)) {
+        samples_of_large(&part, within, covered);
     }
 }
 
-#[inline]
-fn samples_of(corners: &[Corner; 3], within: &Window, covered: &mut impl FnMut(i32, i32, f32)) {
-    let area = two_areas(corners);
-    let extent = Extent::new(corners);
-    let window = extent.window(within);
-    if area == 0 || window.is_empty() {
-        return;
+fn samples_of_large(
+    corners: &[Corner; 3],
+    within: &Window,
+    covered: &mut impl FnMut(i32, i32, f32),
+) {
+    let window = Extent::new(corners).window(within);
+    if two_areas(corners) != 0 && !window.is_empty() {
+        let (corners, plane) = turned(corners);
+        cover_large(&corners, &window, &mut |x, y, e| covered(x, y, plane.at(e)));
     }
+}
+
+/// How closeness follows from the edge functions.
+struct Plane {
+    start: f32,
+    slopes: [f32; 2],
+}
+
+/// Corners in the order of a positive area, and closeness over them.
+#[inline]
+fn turned(corners: &[Corner; 3]) -> ([Corner; 3], Plane) {
+    let area = two_areas(corners);
     let [a, b, c] = oriented(*corners, area);
     let by_area = 1.0 / area.abs() as f32;
-    let slope_b = (b.closeness - a.closeness) * by_area;
-    let slope_c = (c.closeness - a.closeness) * by_area;
-    cover(&[a, b, c], &extent, &window, &mut |x, y, [e1, e2]| {
-        let closeness = a.closeness + (e1 * slope_b + e2 * slope_c);
+    let slopes = [b, c].map(|corner| (corner.closeness - a.closeness) * by_area);
+    let start = a.closeness;
+    ([a, b, c], Plane { start, slopes })
+}
+
+impl Plane {
+    #[inline]
+    fn at(&self, [e1, e2]: [f32; 2]) -> f32 {
+        let closeness = self.start + (e1 * self.slopes[0] + e2 * self.slopes[1]);
         // Bits compare as numbers do from +0 on only, and `max` may give -0.
-        covered(x, y, if closeness > 0.0 { closeness } else { 0.0 });
-    });
+        if closeness > 0.0 { closeness } else { 0.0 }
+    }
 }

@@ -32,8 +32,53 @@ pub(super) struct Treatment {
     pub culled: i64,
 }
 
-/// Triangles of a band in ascending order, list after list, by kind.
-pub(super) type Bins = Vec<Vec<[Vec<u32>; 3]>>;
+/// A triangle that may be seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub triangle: u32,
+    /// First and last column and row of the samples around it, if edge functions over
+    /// them fit into 32 bits; else the last column is before the first.
+    columns: [u16; 2],
+    rows: [u16; 2],
+}
+
+impl Entry {
+    /// Of a triangle that takes more care.
+    fn large(triangle: u32) -> Self {
+        Self {
+            triangle,
+            columns: [1, 0],
+            rows: [0, 0],
+        }
+    }
+
+    fn small(triangle: u32, window: &Window) -> Self {
+        // A picture has at most 4 * 16384 samples a side.
+        let ends = |range: &Range<i32>| [range.start as u16, (range.end - 1) as u16];
+        Self {
+            triangle,
+            columns: ends(&window.columns),
+            rows: ends(&window.rows),
+        }
+    }
+
+    /// Samples within these rows that it may cover, if it is small.
+    #[inline]
+    pub(super) fn window(&self, rows: &Range<i32>) -> Option<Window> {
+        let [first, last] = self.columns.map(i32::from);
+        let [top, bottom] = self.rows.map(i32::from);
+        (first <= last).then(|| Window {
+            columns: first..last + 1,
+            rows: top.max(rows.start)..(bottom + 1).min(rows.end),
+        })
+    }
+}
+
+/// Entries by kind.
+type Lists = [Vec<Entry>; 3];
+
+/// For every chunk of triangles, in ascending order, what each band has of it.
+pub(super) type Bins = Vec<Vec<Lists>>;
 
 /// What all triangles have in common.
 pub(super) struct Picked<'a> {
@@ -58,9 +103,9 @@ impl Picked<'_> {
             .collect()
     }
 
-    fn chunk(&self, range: Range<usize>) -> Vec<[Vec<u32>; 3]> {
+    fn chunk(&self, range: Range<usize>) -> Vec<Lists> {
         let bands = (self.picture.rows.end + BAND - 1) >> BAND_BITS;
-        let mut bins = vec![<[Vec<u32>; 3]>::default(); bands as usize];
+        let mut bins = vec![Lists::default(); bands as usize];
         let first_part = self.geometry.part_of[range.start] as usize;
         for (part, treatment) in self
             .geometry
@@ -81,23 +126,28 @@ impl Picked<'_> {
         bins
     }
 
-    fn sort_into(&self, bins: &mut [[Vec<u32>; 3]], run: Range<usize>, how: Treatment) {
-        let kind = how.kind as usize;
+    fn sort_into(&self, bins: &mut [Lists], run: Range<usize>, how: Treatment) {
         for t in run {
             let corners = self.corners_of(t);
             let [a, b, c] = corners.map(|corner| corner.outside);
-            let rows = if a | b | c != 0 {
-                if a & b & c != 0 {
+            let (entry, rows) = if a | b | c == 0 {
+                let extent = Extent::new(&corners);
+                let Some(window) = self.window(&corners, &extent, how) else {
                     continue;
-                }
-                self.clipped_rows(t, how)
+                };
+                let entry = match extent.is_small() {
+                    true => Entry::small(t as u32, &window),
+                    false => Entry::large(t as u32),
+                };
+                (entry, window.rows)
+            } else if a & b & c == 0 {
+                (Entry::large(t as u32), self.clipped_rows(t, how))
             } else {
-                self.rows(&corners, how)
+                continue;
             };
             if rows.start < rows.end {
-                let bands = rows.start >> BAND_BITS..=(rows.end - 1) >> BAND_BITS;
-                for band in bands {
-                    bins[band as usize][kind].push(t as u32);
+                for band in rows.start >> BAND_BITS..=(rows.end - 1) >> BAND_BITS {
+                    bins[band as usize][how.kind as usize].push(entry);
                 }
             }
         }
@@ -108,34 +158,35 @@ impl Picked<'_> {
         self.geometry.triangles[t].map(|v| self.corners[v as usize])
     }
 
-    /// Rows whose samples a triangle may cover; none if it is not shown.
+    /// Samples that a triangle may cover; `None` if there are none or it is not shown.
     #[inline(always)]
-    fn rows(&self, corners: &[Corner; 3], how: Treatment) -> Range<i32> {
-        let window = Extent::new(corners).window(&self.picture);
+    fn window(&self, corners: &[Corner; 3], extent: &Extent, how: Treatment) -> Option<Window> {
+        let window = extent.window(&self.picture);
         if window.is_empty() {
-            return 0..0;
+            return None;
         }
         let area = two_areas(corners);
         if area == 0 || area.signum() == how.culled {
-            return 0..0;
+            return None;
         }
         // Most triangles of a fine mesh come close to one sample, and miss it.
-        let missed = window
-            .only()
-            .is_some_and(|(x, y)| !covers(&oriented(*corners, area), x, y));
-        if missed { 0..0 } else { window.rows }
+        let missed = |(x, y)| !covers(&oriented(*corners, area), x, y);
+        if window.only().is_some_and(missed) {
+            return None;
+        }
+        Some(window)
     }
 
     fn clipped_rows(&self, t: usize, how: Treatment) -> Range<i32> {
         let corners = self.geometry.homogeneous(self.view, t);
         let mut all = 0..0;
         for part in clip(self.view, corners) {
-            let rows = self.rows(&part, how);
-            all = match (all.is_empty(), rows.is_empty()) {
-                (true, _) => rows,
-                (_, true) => all,
-                _ => all.start.min(rows.start)..all.end.max(rows.end),
-            };
+            if let Some(Window { rows, .. }) = self.window(&part, &Extent::new(&part), how) {
+                all = match all.is_empty() {
+                    true => rows,
+                    false => all.start.min(rows.start)..all.end.max(rows.end),
+                };
+            }
         }
         all
     }

@@ -13,7 +13,7 @@ pub(super) struct Surface {
     pub base: Vec4,
     pub metallic: f32,
     pub roughness: f32,
-    pub emissive: Vec4,
+    pub emissive: Vec3,
     /// Share of the ambient light that gets there.
     pub occlusion: f32,
     /// Of length 1.
@@ -22,38 +22,49 @@ pub(super) struct Surface {
     pub to_viewer: Vec3,
 }
 
-/// Four lights that fall on a point; those that are not there have no radiance.
-/// All of them are worked on at a time.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Incident {
-    /// Components of the unit vectors to the lights.
-    x: [f32; 4],
-    y: [f32; 4],
-    z: [f32; 4],
-    radiance: [Vec4; 4],
-}
+/// One value each for four points: all of them are worked on at a time.
+pub(super) type Four = [f32; 4];
 
-impl Incident {
-    /// Up to four lights: unit vector to each, and radiance.
-    pub(super) fn new(lights: &[(Vec3, Vec3)]) -> Self {
-        let mut all = Self::default();
-        for (k, (to_light, radiance)) in lights.iter().take(4).enumerate() {
-            (all.x[k], all.y[k], all.z[k]) = (to_light.x, to_light.y, to_light.z);
-            all.radiance[k] = radiance.extend(0.0);
-        }
-        all
-    }
-
-    #[inline]
-    fn dot(&self, v: Vec3) -> [f32; 4] {
-        four(|k| v.x * self.x[k] + v.y * self.y[k] + v.z * self.z[k])
-    }
-}
+/// A vector or a colour each.
+pub(super) type Four3 = [Four; 3];
 
 /// A loop that compilers see through.
 #[inline]
-fn four(mut f: impl FnMut(usize) -> f32) -> [f32; 4] {
+fn four(mut f: impl FnMut(usize) -> f32) -> Four {
     [f(0), f(1), f(2), f(3)]
+}
+
+/// Components of four vectors.
+#[inline]
+pub(super) fn components(vectors: &[Vec3; 4]) -> Four3 {
+    [
+        four(|k| vectors[k].x),
+        four(|k| vectors[k].y),
+        four(|k| vectors[k].z),
+    ]
+}
+
+#[inline]
+fn dot(a: &Four3, b: &Four3) -> Four {
+    four(|k| a[0][k] * b[0][k] + a[1][k] * b[1][k] + a[2][k] * b[2][k])
+}
+
+/// Light that falls on four points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Incident {
+    /// Of length 1, to the light.
+    to_light: Four3,
+    radiance: Four3,
+}
+
+impl Incident {
+    /// Of one light: unit vector to it from each point, and radiance.
+    pub(super) fn new(to_light: &[Vec3; 4], radiance: &[Vec3; 4]) -> Self {
+        Self {
+            to_light: components(to_light),
+            radiance: components(radiance),
+        }
+    }
 }
 
 /// Reflectance of what is not metal, seen straight on.
@@ -62,104 +73,113 @@ const DIELECTRIC: f32 = 0.04;
 /// Roughness below which a highlight is smaller than a pixel ever is.
 const LEAST_ROUGHNESS: f32 = 0.05;
 
-/// Terms that do not depend on the light. Colours have a fourth component that
-/// nobody reads.
+/// Terms that do not depend on the light, for four points.
 pub(super) struct Answer {
     shading: Shading,
-    normal: Vec3,
-    to_viewer: Vec3,
-    /// Reflectance seen straight on, and what is left to 1.
-    specular: Vec4,
-    rest: Vec4,
-    diffuse: Vec4,
-    roughness: f32,
-    occlusion: f32,
+    normal: Four3,
+    to_viewer: Four3,
+    /// Reflectance seen straight on.
+    specular: Four3,
+    diffuse: Four3,
+    roughness: Four,
+    occlusion: Four,
     /// Square of the width of the distribution of microfacets.
-    width: f32,
+    width: Four,
     /// Cosine between normal and view, and the same not cut off.
-    facing: f32,
-    cosine: f32,
+    facing: Four,
+    cosine: Four,
 }
 
 impl Answer {
     #[inline]
-    pub(super) fn new(surface: &Surface, shading: Shading) -> Self {
-        let metallic = surface.metallic;
-        let specular = Vec4::splat(DIELECTRIC * (1.0 - metallic)) + surface.base * metallic;
-        let alpha = surface.roughness.max(LEAST_ROUGHNESS);
-        let cosine = surface.normal.dot(surface.to_viewer);
+    pub(super) fn new(points: &[Surface; 4], shading: Shading) -> Self {
+        let metallic = four(|k| points[k].metallic);
+        let base = [0, 1, 2].map(|c| four(|k| points[k].base[c]));
+        let alpha = four(|k| points[k].roughness.max(LEAST_ROUGHNESS));
+        let normal = components(&points.map(|p| p.normal));
+        let to_viewer = components(&points.map(|p| p.to_viewer));
+        let cosine = dot(&normal, &to_viewer);
+        let dielectric = metallic.map(|m| DIELECTRIC * (1.0 - m));
         Self {
             shading,
-            normal: surface.normal,
-            to_viewer: surface.to_viewer,
-            specular,
-            rest: Vec4::ONE - specular,
-            diffuse: surface.base * (1.0 - metallic),
-            roughness: surface.roughness,
-            occlusion: surface.occlusion,
-            width: (alpha * alpha) * (alpha * alpha),
-            facing: cosine.max(1e-3),
+            normal,
+            to_viewer,
+            specular: base.map(|c| four(|k| dielectric[k] + c[k] * metallic[k])),
+            diffuse: base.map(|c| four(|k| c[k] * (1.0 - metallic[k]))),
+            roughness: four(|k| points[k].roughness),
+            occlusion: four(|k| points[k].occlusion),
+            width: alpha.map(|a| (a * a) * (a * a)),
+            facing: cosine.map(|c| c.max(1e-3)),
             cosine,
         }
     }
 
-    /// What four lights add. The normals halfway between light and viewer are never
-    /// made: their cosines follow from those of the two.
+    /// Adds what one light does. The normal halfway between light and viewer is never
+    /// made: its cosines follow from those of the two.
     #[inline]
-    pub(super) fn to(&self, lights: &Incident) -> Vec4 {
-        let lit = lights.dot(self.normal).map(|l| l.max(0.0));
+    pub(super) fn add(&self, light: &Incident, sum: &mut Four3) {
+        let lit = dot(&light.to_light, &self.normal).map(|l| l.max(0.0));
         // Squared cosine between half the way and either.
-        let open = lights
-            .dot(self.to_viewer)
-            .map(|c| (0.5 + 0.5 * c).max(1e-6));
-        let along = lit.map(|l| (l + self.cosine).max(0.0));
+        let open = dot(&light.to_light, &self.to_viewer).map(|c| (0.5 + 0.5 * c).max(1e-6));
+        let along = four(|k| (lit[k] + self.cosine[k]).max(0.0));
         let squared = four(|k| (along[k] * along[k] / (4.0 * open[k])).min(1.0));
         let grazing = open.map(|o| fifth((1.0 - o.sqrt()).max(0.0)));
         let highlight = match self.shading {
-            Shading::BlinnPhong => squared.map(|s| self.blinn(s.sqrt())),
+            Shading::BlinnPhong => four(|k| blinn(squared[k].sqrt(), self.width[k])),
             _ => self.ggx(squared, lit),
         };
-        let matte = self.diffuse * self.rest;
-        let mut sum = Vec4::ZERO;
-        for k in 0..4 {
-            // Fresnel is specular + rest * grazing, matte what is left of the diffuse.
-            let mirrored = (self.specular + self.rest * grazing[k]) * highlight[k];
-            sum += (mirrored + matte * (1.0 - grazing[k])) * (lights.radiance[k] * lit[k]);
+        for (c, sum) in sum.iter_mut().enumerate() {
+            let (specular, diffuse) = (&self.specular[c], &self.diffuse[c]);
+            *sum = four(|k| {
+                let fresnel = specular[k] + (1.0 - specular[k]) * grazing[k];
+                let given = diffuse[k] * (1.0 - fresnel) + fresnel * highlight[k];
+                sum[k] + given * (light.radiance[c][k] * lit[k])
+            });
         }
-        sum
     }
 
     /// Distribution times masking, by four cosines, times pi.
     #[inline]
-    fn ggx(&self, squared: [f32; 4], lit: [f32; 4]) -> [f32; 4] {
-        let rest = 1.0 - self.width;
-        let masking = |cosine: f32| (cosine * cosine * rest + self.width).sqrt();
-        let viewer = masking(self.facing);
-        let spread = squared.map(|s| 1.0 - s * rest);
-        let masked = lit.map(|l| l * viewer + self.facing * masking(l));
-        four(|k| 0.5 * self.width / (spread[k] * spread[k] * masked[k]))
+    fn ggx(&self, squared: Four, lit: Four) -> Four {
+        let rest = self.width.map(|w| 1.0 - w);
+        let masking =
+            |cosine: Four| four(|k| (cosine[k] * cosine[k] * rest[k] + self.width[k]).sqrt());
+        let (viewer, light) = (masking(self.facing), masking(lit));
+        let masked = four(|k| lit[k] * viewer[k] + self.facing[k] * light[k]);
+        let spread = four(|k| 1.0 - squared[k] * rest[k]);
+        four(|k| 0.5 * self.width[k] / (spread[k] * spread[k] * masked[k]))
     }
 
-    /// A power of the cosine, scaled so that no light is gained; the exponent is
-    /// the one whose highlight is as wide as that of the microfacets.
-    fn blinn(&self, cosine: f32) -> f32 {
-        let exponent = (2.0 / self.width - 2.0).clamp(1.0, 2048.0) as u32;
-        power(cosine, exponent) * (exponent as f32 + 8.0) * 0.125
-    }
-
-    /// What light from all around adds.
+    /// What light from all around does.
     #[inline]
-    pub(super) fn to_ambient(&self, ambient: &Ambient, up: Vec3) -> Vec4 {
-        let (sky, ground) = (ambient.sky.extend(0.0), ambient.ground.extend(0.0));
-        let from = |along_up: f32| ground + (sky - ground) * (0.5 + 0.5 * along_up);
-        let normal = self.normal.dot(up);
-        let mirrored = 2.0 * self.cosine * normal - self.to_viewer.dot(up);
-        // A rough surface mirrors less where it is seen from the side.
-        let most = Vec4::splat(1.0 - self.roughness).max(self.specular);
-        let grazing = fifth(1.0 - self.facing.min(1.0));
-        let specular = self.specular + (most - self.specular) * grazing;
-        (self.diffuse * from(normal) + specular * from(mirrored)) * self.occlusion
+    pub(super) fn ambient(&self, ambient: &Ambient, up: Vec3) -> Four3 {
+        let up = components(&[up; 4]);
+        let share = |along: f32| 0.5 + 0.5 * along;
+        let normal = dot(&self.normal, &up);
+        let viewer = dot(&self.to_viewer, &up);
+        let mirrored = four(|k| share(2.0 * self.cosine[k] * normal[k] - viewer[k]));
+        let normal = normal.map(share);
+        let grazing = self.facing.map(|f| fifth((1.0 - f).max(0.0)));
+        std::array::from_fn(|c| {
+            let (ground, sky) = (ambient.ground[c], ambient.sky[c]);
+            four(|k| {
+                let from = |share: f32| ground + (sky - ground) * share;
+                // A rough surface mirrors less where it is seen from the side.
+                let straight = self.specular[c][k];
+                let most = (1.0 - self.roughness[k]).max(straight);
+                let specular = straight + (most - straight) * grazing[k];
+                let given = self.diffuse[c][k] * from(normal[k]) + specular * from(mirrored[k]);
+                given * self.occlusion[k]
+            })
+        })
     }
+}
+
+/// A power of the cosine, scaled so that no light is gained; the exponent is the one
+/// whose highlight is as wide as that of the microfacets.
+fn blinn(cosine: f32, width: f32) -> f32 {
+    let exponent = (2.0 / width - 2.0).clamp(1.0, 2048.0) as u32;
+    power(cosine, exponent) * (exponent as f32 + 8.0) * 0.125
 }
 
 fn fifth(x: f32) -> f32 {
@@ -189,7 +209,7 @@ mod tests {
             base: Vec4::ONE,
             metallic,
             roughness,
-            emissive: Vec4::ZERO,
+            emissive: Vec3::ZERO,
             occlusion: 1.0,
             normal: Vec3::Z,
             to_viewer: Vec3::new(0.6, 0.0, 0.8),
@@ -201,7 +221,7 @@ mod tests {
     fn no_light_is_gained() {
         for shading in [Shading::Pbr, Shading::BlinnPhong] {
             for (roughness, metallic) in [(0.3, 0.0), (0.3, 1.0), (0.6, 1.0), (1.0, 0.0)] {
-                let answer = Answer::new(&surface(roughness, metallic), shading);
+                let answer = Answer::new(&[surface(roughness, metallic); 4], shading);
                 let (steps, mut sum, mut count) = (300, 0.0, 0);
                 for (i, j) in (0..steps * steps).map(|k| (k / steps, k % steps)) {
                     let at = |k: i32| (k as f32 + 0.5) / steps as f32 * 2.0 - 1.0;
@@ -210,8 +230,11 @@ mod tests {
                     if rest > 0.0 {
                         // Even over the disc is already weighted by the cosine.
                         let to_light = Vec3::new(x, y, rest.sqrt());
-                        let light = Incident::new(&[(to_light, Vec3::ONE / to_light.z)]);
-                        sum += answer.to(&light).x;
+                        let radiance = Vec3::ONE / to_light.z;
+                        let light = Incident::new(&[to_light; 4], &[radiance; 4]);
+                        let mut given = Four3::default();
+                        answer.add(&light, &mut given);
+                        sum += given[0][3];
                         count += 1;
                     }
                 }
@@ -228,8 +251,10 @@ mod tests {
     fn a_white_matte_surface_facing_the_light_is_white() {
         let mut matte = surface(1.0, 0.0);
         matte.to_viewer = Vec3::Z;
-        let light = Incident::new(&[(Vec3::Z, Vec3::ONE)]);
-        let found = Answer::new(&matte, Shading::Pbr).to(&light).x;
+        let light = Incident::new(&[Vec3::Z; 4], &[Vec3::ONE; 4]);
+        let mut given = Four3::default();
+        Answer::new(&[matte; 4], Shading::Pbr).add(&light, &mut given);
+        let found = given[2][1];
         assert!((found - (0.96 + 0.04 * 0.25)).abs() < 1e-4, "{found}");
     }
 

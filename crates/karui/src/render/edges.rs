@@ -55,7 +55,7 @@ impl Extent {
 
     /// Whether edge functions fit into 32 bits.
     #[inline]
-    fn is_small(&self) -> bool {
+    pub(super) fn is_small(&self) -> bool {
         let longest = (self.x[1] - self.x[0]).max(self.y[1] - self.y[0]);
         longest <= SMALL << SUB_BITS
     }
@@ -109,23 +109,6 @@ pub(super) fn covers([a, b, c]: &[Corner; 3], column: i32, row: i32) -> bool {
 /// Largest extent, in samples, whose edge functions fit into 32 bits.
 const SMALL: i32 = 48;
 
-/// Calls `covered(column, row, [e1, e2])` for every sample in `window` that the
-/// triangle covers, row by row. `e1` and `e2`, by twice the area, are the weights
-/// of the second and third corner. The area must be positive.
-#[inline]
-pub(super) fn cover(
-    corners: &[Corner; 3],
-    extent: &Extent,
-    window: &Window,
-    covered: &mut impl FnMut(i32, i32, [f32; 2]),
-) {
-    if extent.is_small() {
-        cover_small(corners, window, covered);
-    } else {
-        cover_large(corners, window, covered);
-    }
-}
-
 /// An edge function over samples, in 32 bits.
 #[derive(Clone, Copy)]
 struct Slope {
@@ -151,8 +134,12 @@ impl Slope {
     }
 }
 
+/// Calls `covered(column, row, [e1, e2])` for every sample in `window` that the
+/// triangle covers, row by row. `e1` and `e2`, by twice the area, are the weights
+/// of the second and third corner. The area must be positive and the triangle small;
+/// see [`Extent::is_small`].
 #[inline]
-fn cover_small(
+pub(super) fn cover_small(
     [a, b, c]: &[Corner; 3],
     window: &Window,
     covered: &mut impl FnMut(i32, i32, [f32; 2]),
@@ -177,8 +164,9 @@ fn cover_small(
     }
 }
 
-/// Row by row the span within all three edges, found by division.
-fn cover_large(
+/// The same for any triangle: row by row the span within all three edges, found by
+/// division.
+pub(super) fn cover_large(
     [a, b, c]: &[Corner; 3],
     window: &Window,
     covered: &mut impl FnMut(i32, i32, [f32; 2]),

@@ -20,10 +20,10 @@ pub(super) fn collect(layers: &mut Vec<Layer>, pass: &Pass<'_>, band: &Band, ind
     layers.clear();
     let limit = 2 * MAX_LAYERS * band.keys.len();
     let within = within(pass, index);
-    for t in pass.binned(index, Kind::Blended) {
-        samples(pass, t, &within, &mut |x, y, closeness| {
+    for entry in pass.binned(index, Kind::Blended).flatten() {
+        samples(pass, entry, &within, &mut |x, y, closeness| {
             let slot = band.slot(x, y);
-            let key = key(closeness, t);
+            let key = key(closeness, entry.triangle);
             if key > band.keys[slot] {
                 let slot = slot as u32;
                 layers.push(Layer { slot, key });

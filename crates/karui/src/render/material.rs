@@ -22,6 +22,8 @@ pub(super) struct Prepared {
     pub normal_lookup: Option<Lookup>,
     pub occlusion_lookup: Option<Lookup>,
     pub emissive_lookup: Option<Lookup>,
+    /// Whether a lookup but that of the colour and the normal is there.
+    pub textured: bool,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
 }
@@ -40,6 +42,7 @@ impl Prepared {
         normal_lookup: None,
         occlusion_lookup: None,
         emissive_lookup: None,
+        textured: false,
         alpha_mode: AlphaMode::Opaque,
         double_sided: true,
     };
@@ -76,6 +79,9 @@ impl<'a> Materials<'a> {
     fn prepare(&mut self, model: &Model<'a>, m: &Material) -> Prepared {
         let mut lookup =
             |used: &Option<TextureRef>, encoding| self.lookup(model, used.as_ref()?, encoding);
+        let metallic_roughness_lookup = lookup(&m.metallic_roughness_texture, Encoding::Plain);
+        let occlusion_lookup = lookup(&m.occlusion_texture, Encoding::Plain);
+        let emissive_lookup = lookup(&m.emissive_texture, Encoding::Srgb);
         Prepared {
             base_color: m.base_color,
             metallic: unit(m.metallic),
@@ -84,10 +90,13 @@ impl<'a> Materials<'a> {
             normal_scale: m.normal_scale,
             occlusion_strength: unit(m.occlusion_strength),
             base_color_lookup: lookup(&m.base_color_texture, Encoding::Srgb),
-            metallic_roughness_lookup: lookup(&m.metallic_roughness_texture, Encoding::Plain),
+            metallic_roughness_lookup,
             normal_lookup: lookup(&m.normal_texture, Encoding::Plain),
-            occlusion_lookup: lookup(&m.occlusion_texture, Encoding::Plain),
-            emissive_lookup: lookup(&m.emissive_texture, Encoding::Srgb),
+            occlusion_lookup,
+            emissive_lookup,
+            textured: [metallic_roughness_lookup, occlusion_lookup, emissive_lookup]
+                .iter()
+                .any(Option::is_some),
             alpha_mode: m.alpha_mode,
             double_sided: m.double_sided,
         }

@@ -1,6 +1,6 @@
 //! One frame: vertices, then triangles, then bands of rows.
 
-use super::bins::{BAND, Bins, Kind, Picked, Treatment};
+use super::bins::{BAND, Bins, Entry, Kind, Picked, Treatment};
 use super::edges::Window;
 use super::geometry::Geometry;
 use super::options::{Faces, RenderOptions};
@@ -56,10 +56,11 @@ impl<'a> Pass<'a> {
         (self.picture.rows.end as usize).div_ceil(BAND as usize)
     }
 
-    /// Triangles of a kind in a band.
-    pub(super) fn binned(&self, band: usize, kind: Kind) -> impl Iterator<Item = u32> {
-        let lists = self.bins.iter();
-        lists.flat_map(move |chunk| chunk[band][kind as usize].iter().copied())
+    /// Triangles of a kind in a band, list by list.
+    pub(super) fn binned(&self, band: usize, kind: Kind) -> impl Iterator<Item = &[Entry]> {
+        self.bins
+            .iter()
+            .map(move |chunk| &chunk[band][kind as usize][..])
     }
 
     #[inline]

@@ -10,6 +10,7 @@ use super::shade::{Seen, Shader};
 use super::{Picture, renderer::Renderer};
 use crate::geom::Vec4;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// Where a band's pixels go; what is not asked for is empty.
 struct Rows<'f> {
@@ -75,52 +76,60 @@ fn split<'f>(frame: &'f mut Frame, options: &RenderOptions<'_>, bands: usize) ->
 
 impl Rows<'_> {
     fn resolve(&mut self, pass: &Pass<'_>, shader: &Shader<'_>, scratch: &Scratch) {
+        if shader.options.samples == 1 && scratch.layers.is_empty() {
+            return self.resolve_solid(pass, shader, &scratch.band);
+        }
         let Scratch { band, layers } = scratch;
         let n = shader.options.samples as usize;
         let width = band.width / n;
         for y in 0..band.keys.len() / band.width / n {
             for x in 0..width {
                 let slot = (y * band.width + x) * n;
-                if n == 1 {
-                    if !layers.is_empty() || band.keys[slot] != 0 {
-                        self.single(pass, shader, scratch, slot);
-                    }
-                    continue;
-                }
-                let rows = (0..n).map(|k| slot + k * band.width);
+                let mut rows = (0..n).map(|k| slot + k * band.width);
                 let empty = |row: usize| band.keys[row..row + n].iter().all(|&key| key == 0);
-                if !layers.is_empty() || !rows.clone().all(empty) {
+                if !layers.is_empty() || !rows.all(empty) {
                     self.pixel(pass, shader, scratch, (y * width + x, slot));
                 }
             }
         }
     }
 
-    /// A pixel that is its only sample.
-    #[inline]
-    fn single(
-        &mut self,
-        pass: &Pass<'_>,
-        shader: &Shader<'_>,
-        Scratch { band, layers }: &Scratch,
-        slot: usize,
-    ) {
-        let (column, row) = band.place_of(slot);
-        let seen = triangle_of(band.keys[slot]).map(|t| Seen::new(pass, t, column, row));
-        if let Some(seen) = &seen {
-            self.note(shader.renderer, slot, seen);
+    /// Pixels that are their only sample and have nothing blended over them, four by
+    /// four.
+    fn resolve_solid(&mut self, pass: &Pass<'_>, shader: &Shader<'_>, band: &Band) {
+        let mut batch: SmallVec<[Seen; 4]> = SmallVec::new();
+        let mut slots = [0; 4];
+        for (row, keys) in (band.first_row..).zip(band.keys.chunks_exact(band.width)) {
+            let first = (row - band.first_row) as usize * band.width;
+            for (column, &key) in keys.iter().enumerate() {
+                let Some(t) = triangle_of(key) else { continue };
+                let (slot, seen) = (first + column, Seen::new(pass, t, column as i32, row));
+                self.note(shader.renderer, slot, &seen);
+                if self.color.is_empty() {
+                    continue;
+                }
+                slots[batch.len()] = slot;
+                batch.push(seen);
+                if batch.len() == 4 {
+                    self.write(shader, &batch, &slots);
+                    batch.clear();
+                }
+            }
         }
-        if let Some(pixel) = self.color.get_mut(slot) {
-            let color = match &seen {
-                Some(seen) if layers.is_empty() => shader.layer(seen, column, row),
-                _ => shader.color(column, row, layers_at(layers, slot), seen.as_ref()),
-            };
-            *pixel = shader.encoded(color);
+        if !batch.is_empty() {
+            self.write(shader, &batch, &slots);
+        }
+    }
+
+    #[inline]
+    fn write(&mut self, shader: &Shader<'_>, batch: &[Seen], slots: &[usize; 4]) {
+        let colors = shader.layers(batch);
+        for (color, &slot) in colors.iter().zip(&slots[..batch.len()]) {
+            self.color[slot] = shader.encoded(*color);
         }
     }
 
     /// Pixel `i` of the band, whose first sample is at `slot`.
-    #[inline]
     fn pixel(
         &mut self,
         pass: &Pass<'_>,
@@ -132,20 +141,26 @@ impl Rows<'_> {
         let (left, top) = band.place_of(slot);
         let middle = (n - 1) / 2;
         let mut sum = Vec4::ZERO;
+        let mut solid: SmallVec<[Seen; 4]> = SmallVec::new();
         for (r, c) in (0..n).flat_map(|r| (0..n).map(move |c| (r, c))) {
-            let is_middle = (r, c) == (middle, middle);
-            if self.color.is_empty() && !is_middle {
-                continue;
-            }
             let slot = slot + r * band.width + c;
-            let (column, row) = (left + c as i32, top + r as i32);
-            let seen = triangle_of(band.keys[slot]).map(|t| Seen::new(pass, t, column, row));
-            if let Some(seen) = seen.as_ref().filter(|_| is_middle) {
+            let at = |t: u32| Seen::new(pass, t, left + c as i32, top + r as i32);
+            let seen = triangle_of(band.keys[slot]).map(at);
+            if let Some(seen) = seen.as_ref().filter(|_| (r, c) == (middle, middle)) {
                 self.note(shader.renderer, i, seen);
             }
-            if !self.color.is_empty() {
-                sum += shader.color(column, row, layers_at(layers, slot), seen.as_ref());
+            if self.color.is_empty() {
+                continue;
             }
+            let over: SmallVec<[Seen; 4]> = layers_at(layers, slot).map(at).collect();
+            match seen {
+                Some(seen) if over.is_empty() => solid.push(seen),
+                seen => sum += shader.blended(&over, seen.as_ref()),
+            }
+        }
+        for batch in solid.chunks(4) {
+            let colors = shader.layers(batch);
+            sum += colors[..batch.len()].iter().sum::<Vec4>();
         }
         if let Some(pixel) = self.color.get_mut(i) {
             *pixel = shader.encoded(sum * (1.0 / (n * n) as f32));

@@ -1,6 +1,6 @@
 //! From what is seen to what colour it has.
 
-use super::brdf::{Answer, Incident};
+use super::brdf::{Answer, Incident, Surface};
 use super::options::{RenderOptions, Shading, Wireframe};
 use super::pass::Pass;
 use super::place::Place;
@@ -9,7 +9,6 @@ use super::srgb::{Srgb, plain_code, unit};
 use super::surface::Sample;
 use crate::geom::{Light, Vec3, Vec4};
 use crate::mesh::AlphaMode;
-use smallvec::SmallVec;
 
 /// Everything that colours depend on.
 pub(super) struct Shader<'a> {
@@ -17,7 +16,7 @@ pub(super) struct Shader<'a> {
     pub pass: &'a Pass<'a>,
     pub options: &'a RenderOptions<'a>,
     pub srgb: Srgb,
-    /// Those from far away, four by four, and those from nearby.
+    /// Those from far away, and those from nearby.
     distant: Vec<Incident>,
     nearby: Vec<Nearby>,
     up: Vec3,
@@ -29,6 +28,8 @@ pub(super) struct Shader<'a> {
 pub(super) struct Seen {
     pub triangle: u32,
     pub place: Place,
+    column: i32,
+    row: i32,
 }
 
 impl Seen {
@@ -37,7 +38,15 @@ impl Seen {
         Self {
             triangle,
             place: pass.place(triangle, column, row),
+            column,
+            row,
         }
+    }
+
+    /// Position of the sample.
+    #[inline]
+    fn middle(&self) -> (f32, f32) {
+        (self.column as f32 + 0.5, self.row as f32 + 0.5)
     }
 }
 
@@ -54,13 +63,12 @@ impl<'a> Shader<'a> {
         options: &'a RenderOptions<'a>,
     ) -> Self {
         let srgb = Srgb::new();
-        let directional: Vec<_> = lights.iter().filter_map(directional).collect();
         Self {
             renderer,
             pass,
             options,
             srgb,
-            distant: directional.chunks(4).map(Incident::new).collect(),
+            distant: lights.iter().filter_map(directional).collect(),
             nearby: lights.iter().filter_map(nearby).collect(),
             up: pass.view.up(),
             background: premultiplied(linear(srgb, options.background)),
@@ -77,65 +85,76 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Colour at a sample, linear and premultiplied: layers from front to back,
-    /// then what is solid, if anything is.
-    #[inline]
-    pub(super) fn color(
-        &self,
-        column: i32,
-        row: i32,
-        layers: impl Iterator<Item = u32>,
-        solid: Option<&Seen>,
-    ) -> Vec4 {
+    /// Colour where surfaces are blended, linear and premultiplied: layers from front
+    /// to back, then what is solid, if anything is.
+    pub(super) fn blended(&self, layers: &[Seen], solid: Option<&Seen>) -> Vec4 {
         let mut color = Vec4::ZERO;
-        for triangle in layers {
-            let seen = Seen::new(self.pass, triangle, column, row);
-            color += self.layer(&seen, column, row) * (1.0 - color.w);
+        for layers in layers.chunks(4) {
+            for layer in &self.layers(layers)[..layers.len()] {
+                color += *layer * (1.0 - color.w);
+            }
         }
         let behind = match solid {
-            Some(seen) => self.layer(seen, column, row),
+            Some(seen) => self.layers(std::slice::from_ref(seen))[0],
             None => self.background,
         };
         color + behind * (1.0 - color.w)
     }
 
-    /// Colour of one surface, linear and premultiplied.
-    pub(super) fn layer(&self, seen: &Seen, column: i32, row: i32) -> Vec4 {
+    /// Colours of up to four surfaces, linear and premultiplied. The rest is filled
+    /// up.
+    #[inline]
+    pub(super) fn layers(&self, seen: &[Seen]) -> [Vec4; 4] {
+        let at = |k: usize| &seen[k.min(seen.len() - 1)];
+        let surface = |k: usize| self.surface(at(k));
+        let first = surface(0);
+        let other = |k: usize| if k < seen.len() { surface(k) } else { first };
+        let points = [first, other(1), other(2), other(3)];
+        let light = match self.options.shading {
+            Shading::Unlit => points.map(|p| p.base.truncate()),
+            shading => self.lit(&Answer::new(&points, shading), at),
+        };
+        std::array::from_fn(|k| {
+            let alpha = points[k].base.w;
+            let light = (light[k] + points[k].emissive).min(Vec3::splat(1e4));
+            let color = (light * alpha).extend(alpha);
+            match &self.options.wireframe {
+                Some(lines) => self.lined(color, lines, at(k)),
+                None => color,
+            }
+        })
+    }
+
+    /// Surface at a sample; its alpha is 1 unless it is blended.
+    #[inline]
+    fn surface(&self, seen: &Seen) -> Surface {
         let sample = Sample::new(self, seen);
-        let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let surface = sample.surface(self.pass.view.viewer_from(x, y));
-        let alpha = match sample.material.alpha_mode {
+        let (x, y) = seen.middle();
+        let mut surface = sample.surface(self.pass.view.viewer_from(x, y));
+        surface.base.w = match sample.material.alpha_mode {
             AlphaMode::Blend => unit(surface.base.w),
             _ => 1.0,
         };
-        let light = match self.options.shading {
-            Shading::Unlit => surface.base + surface.emissive,
-            shading => {
-                let position = || self.pass.view.unproject(x, y, seen.place.depth);
-                self.lit(&Answer::new(&surface, shading), position) + surface.emissive
-            }
-        };
-        let color = (light.min(Vec4::splat(1e4)) * alpha).with_w(alpha);
-        match &self.options.wireframe {
-            Some(lines) => self.lined(color, lines, seen),
-            None => color,
-        }
+        surface
     }
 
     #[inline]
-    fn lit(&self, answer: &Answer, position: impl Fn() -> Vec3) -> Vec4 {
-        let mut sum = answer.to_ambient(&self.options.ambient, self.up);
-        for lights in &self.distant {
-            sum += answer.to(lights);
+    fn lit<'s>(&self, answer: &Answer, seen: impl Fn(usize) -> &'s Seen) -> [Vec3; 4] {
+        let mut sum = answer.ambient(&self.options.ambient, self.up);
+        for light in &self.distant {
+            answer.add(light, &mut sum);
         }
-        if !self.nearby.is_empty() {
-            let position = position();
-            for lights in self.nearby.chunks(4) {
-                let lights = lights.iter().map(|light| light.at(position));
-                sum += answer.to(&Incident::new(&lights.collect::<SmallVec<[_; 4]>>()));
-            }
+        for light in &self.nearby {
+            let lights: [_; 4] = std::array::from_fn(|k| {
+                let ((x, y), depth) = (seen(k).middle(), seen(k).place.depth);
+                light.at(self.pass.view.unproject(x, y, depth))
+            });
+            answer.add(
+                &Incident::new(&lights.map(|l| l.0), &lights.map(|l| l.1)),
+                &mut sum,
+            );
         }
-        sum
+        std::array::from_fn(|k| Vec3::new(sum[0][k], sum[1][k], sum[2][k]))
     }
 
     /// With the triangle's half of the lines it shares.
@@ -169,8 +188,8 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Unit vector to the light, and radiance; `None` for one that shines nowhere.
-fn directional(light: &Light) -> Option<(Vec3, Vec3)> {
+/// `None` for a light that shines nowhere.
+fn directional(light: &Light) -> Option<Incident> {
     let Light::Directional {
         direction,
         color,
@@ -180,7 +199,10 @@ fn directional(light: &Light) -> Option<(Vec3, Vec3)> {
         return None;
     };
     let direction = direction.as_dvec3().try_normalize()?;
-    Some((-direction.as_vec3(), color * intensity))
+    Some(Incident::new(
+        &[-direction.as_vec3(); 4],
+        &[color * intensity; 4],
+    ))
 }
 
 fn nearby(light: &Light) -> Option<Nearby> {
@@ -198,6 +220,7 @@ fn nearby(light: &Light) -> Option<Nearby> {
 }
 
 impl Nearby {
+    /// Unit vector to the light from a position, and radiance there.
     fn at(&self, position: Vec3) -> (Vec3, Vec3) {
         let way = self.position - position;
         let squared = way.length_squared().max(f32::MIN_POSITIVE);

@@ -25,7 +25,9 @@ pub(super) struct Sample<'s> {
 impl<'s> Sample<'s> {
     #[inline]
     pub(super) fn new(shader: &'s Shader<'s>, seen: &'s Seen) -> Self {
-        let Seen { triangle, place } = seen;
+        let Seen {
+            triangle, place, ..
+        } = seen;
         let triangle = *triangle;
         let renderer = shader.renderer;
         let part = renderer.part_of(triangle);
@@ -47,17 +49,32 @@ impl<'s> Sample<'s> {
             Paint::Clay => (Prepared::CLAY.base_color, &Prepared::CLAY),
             Paint::Scalar(scalar) => (self.scalar_color(scalar), &Prepared::CLAY),
         };
-        let [_, rough, metal, _] = self.texel(&m.metallic_roughness_lookup).unwrap_or([1.0; 4]);
-        let [occluded, ..] = self.texel(&m.occlusion_lookup).unwrap_or([1.0; 4]);
-        let [r, g, b, _] = self.texel(&m.emissive_lookup).unwrap_or([1.0; 4]);
-        Surface {
+        let mut surface = Surface {
             base,
-            metallic: m.metallic * metal,
-            roughness: m.roughness * rough,
-            emissive: (m.emissive * Vec3::new(r, g, b)).extend(0.0),
-            occlusion: 1.0 + m.occlusion_strength * (occluded - 1.0),
+            metallic: m.metallic,
+            roughness: m.roughness,
+            emissive: m.emissive,
+            occlusion: 1.0,
             normal: self.normal(m),
             to_viewer,
+        };
+        if m.textured {
+            self.look_up(m, &mut surface);
+        }
+        surface
+    }
+
+    /// What textures say besides colour and normal.
+    fn look_up(&self, m: &Prepared, surface: &mut Surface) {
+        if let Some([_, rough, metal, _]) = self.texel(&m.metallic_roughness_lookup) {
+            surface.roughness *= rough;
+            surface.metallic *= metal;
+        }
+        if let Some([occluded, ..]) = self.texel(&m.occlusion_lookup) {
+            surface.occlusion += m.occlusion_strength * (occluded - 1.0);
+        }
+        if let Some([r, g, b, _]) = self.texel(&m.emissive_lookup) {
+            surface.emissive *= Vec3::new(r, g, b);
         }
     }
 

@@ -27,6 +27,9 @@ pub struct View {
     least: f64,
     most: f64,
     rows: [[f64; 4]; 3],
+    /// Against the ray through the top left corner, and what a sample to the right
+    /// and one downwards add.
+    back: [Vec3; 3],
 }
 
 /// A position before the division: x and y of the sample times `w`, and the
@@ -69,8 +72,12 @@ impl View {
                 f64::INFINITY
             },
             rows: [[0.0; 4]; 3],
+            back: [Vec3::ZERO; 3],
         };
         view.rows = view.world_rows();
+        let [corner, right, down] =
+            [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| -view.ray(x, y).1);
+        view.back = [corner, right - corner, down - corner].map(|v| v.as_vec3());
         Ok(view)
     }
 
@@ -141,7 +148,7 @@ impl View {
     /// The unit vector to the viewer from what is seen at x and y.
     #[inline]
     pub(super) fn viewer_from(&self, x: f32, y: f32) -> Vec3 {
-        let back = -self.ray(x, y).1.as_vec3();
+        let back = self.back[0] + self.back[1] * x + self.back[2] * y;
         back * (1.0 / back.length())
     }
 
