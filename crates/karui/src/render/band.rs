@@ -39,6 +39,11 @@ impl Band {
         for entry in pass.binned(index, Kind::Opaque).flatten() {
             self.draw_one(pass, entry, &within, |_, _| true);
         }
+        for entry in pass.binned(index, Kind::Back).flatten() {
+            if !self.is_hidden(pass, entry, &within) {
+                self.draw_one(pass, entry, &within, |_, _| true);
+            }
+        }
         for entry in pass.binned(index, Kind::Masked).flatten() {
             let solid = |x, y| shader.is_solid(entry.triangle, x, y);
             self.draw_one(pass, entry, &within, solid);
@@ -56,6 +61,21 @@ impl Band {
     pub(super) fn place_of(&self, slot: usize) -> (i32, i32) {
         let row = (slot / self.width) as i32 + self.first_row;
         ((slot % self.width) as i32, row)
+    }
+
+    /// Whether something else is closer at all samples around a small triangle than any
+    /// of its corners.
+    fn is_hidden(&self, pass: &Pass<'_>, entry: &Entry, within: &Window) -> bool {
+        let Some(window) = entry.window(&within.rows) else {
+            return false;
+        };
+        let [a, b, c] = pass.corners_of(entry.triangle).map(|c| c.closeness);
+        let closest = key(a.max(b).max(c), entry.triangle);
+        window.rows.clone().all(|row| {
+            let row = self.slot(window.columns.start, row);
+            let keys = &self.keys[row..row + window.columns.len()];
+            keys.iter().all(|&key| key > closest)
+        })
     }
 
     fn draw_one(
@@ -125,6 +145,7 @@ fn samples_of_large(
 struct Plane {
     start: f32,
     slopes: [f32; 2],
+    most: f32,
 }
 
 /// Corners in the order of a positive area, and closeness over them.
@@ -134,15 +155,21 @@ fn turned(corners: &[Corner; 3]) -> ([Corner; 3], Plane) {
     let [a, b, c] = oriented(*corners, area);
     let by_area = 1.0 / area.abs() as f32;
     let slopes = [b, c].map(|corner| (corner.closeness - a.closeness) * by_area);
-    let start = a.closeness;
-    ([a, b, c], Plane { start, slopes })
+    let plane = Plane {
+        start: a.closeness,
+        slopes,
+        most: a.closeness.max(b.closeness).max(c.closeness),
+    };
+    ([a, b, c], plane)
 }
 
 impl Plane {
     #[inline]
     fn at(&self, [e1, e2]: [f32; 2]) -> f32 {
         let closeness = self.start + (e1 * self.slopes[0] + e2 * self.slopes[1]);
-        // Bits compare as numbers do from +0 on only, and `max` may give -0.
+        // No closer than a corner, whatever rounding does. Bits compare as numbers do
+        // from +0 on only, and `max` may give -0.
+        let closeness = closeness.min(self.most);
         if closeness > 0.0 { closeness } else { 0.0 }
     }
 }

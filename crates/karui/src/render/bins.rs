@@ -20,6 +20,8 @@ pub(super) enum Kind {
     Masked,
     /// Over what is behind.
     Blended,
+    /// Opaque, and showing its back.
+    Back,
     /// Not at all.
     Hidden,
 }
@@ -28,8 +30,10 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Treatment {
     pub kind: Kind,
-    /// Sign of the areas that are not shown; 0 shows both sides.
-    pub culled: i64,
+    /// Sign of the areas of backs.
+    pub back: i64,
+    /// Whether backs are shown.
+    pub two_sided: bool,
 }
 
 /// A triangle that may be seen.
@@ -74,8 +78,8 @@ impl Entry {
     }
 }
 
-/// Entries by kind.
-type Lists = [Vec<Entry>; 3];
+/// Entries by kind; the last are backs of what is opaque, which fronts often hide.
+type Lists = [Vec<Entry>; 4];
 
 /// For every chunk of triangles, in ascending order, what each band has of it.
 pub(super) type Bins = Vec<Vec<Lists>>;
@@ -130,11 +134,15 @@ impl Picked<'_> {
         for t in run {
             let corners = self.corners_of(t);
             let [a, b, c] = corners.map(|corner| corner.outside);
+            let mut kind = how.kind;
             let (entry, rows) = if a | b | c == 0 {
                 let extent = Extent::new(&corners);
-                let Some(window) = self.window(&corners, &extent, how) else {
+                let Some((window, is_back)) = self.window(&corners, &extent, how) else {
                     continue;
                 };
+                if is_back && kind == Kind::Opaque {
+                    kind = Kind::Back;
+                }
                 let entry = match extent.is_small() {
                     true => Entry::small(t as u32, &window),
                     false => Entry::large(t as u32),
@@ -147,7 +155,7 @@ impl Picked<'_> {
             };
             if rows.start < rows.end {
                 for band in rows.start >> BAND_BITS..=(rows.end - 1) >> BAND_BITS {
-                    bins[band as usize][how.kind as usize].push(entry);
+                    bins[band as usize][kind as usize].push(entry);
                 }
             }
         }
@@ -158,15 +166,22 @@ impl Picked<'_> {
         self.geometry.triangles[t].map(|v| self.corners[v as usize])
     }
 
-    /// Samples that a triangle may cover; `None` if there are none or it is not shown.
+    /// Samples that a triangle may cover, and whether it shows its back; `None` if there
+    /// are none or it is not shown.
     #[inline(always)]
-    fn window(&self, corners: &[Corner; 3], extent: &Extent, how: Treatment) -> Option<Window> {
+    fn window(
+        &self,
+        corners: &[Corner; 3],
+        extent: &Extent,
+        how: Treatment,
+    ) -> Option<(Window, bool)> {
         let window = extent.window(&self.picture);
         if window.is_empty() {
             return None;
         }
         let area = two_areas(corners);
-        if area == 0 || area.signum() == how.culled {
+        let is_back = area.signum() == how.back;
+        if area == 0 || (is_back && !how.two_sided) {
             return None;
         }
         // Most triangles of a fine mesh come close to one sample, and miss it.
@@ -174,14 +189,14 @@ impl Picked<'_> {
         if window.only().is_some_and(missed) {
             return None;
         }
-        Some(window)
+        Some((window, is_back))
     }
 
     fn clipped_rows(&self, t: usize, how: Treatment) -> Range<i32> {
         let corners = self.geometry.homogeneous(self.view, t);
         let mut all = 0..0;
         for part in clip(self.view, corners) {
-            if let Some(Window { rows, .. }) = self.window(&part, &Extent::new(&part), how) {
+            if let Some((Window { rows, .. }, _)) = self.window(&part, &Extent::new(&part), how) {
                 all = match all.is_empty() {
                     true => rows,
                     false => all.start.min(rows.start)..all.end.max(rows.end),

@@ -108,10 +108,10 @@ fn treatments(renderer: &Renderer<'_>, options: &RenderOptions<'_>) -> Vec<Treat
                 Faces::Front => true,
             };
             // Fronts run counter-clockwise, that is, their areas are negative.
-            let back = if part.mirrored { -1 } else { 1 };
             Treatment {
                 kind: material.kind(options),
-                culled: if one_sided { back } else { 0 },
+                back: if part.mirrored { -1 } else { 1 },
+                two_sided: !one_sided,
             }
         })
         .collect()
