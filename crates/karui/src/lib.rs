@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod metrics;
 pub mod progress;
 pub mod render;
+pub mod saliency;
 pub mod simplify;
 pub mod spatial;
 
