@@ -118,6 +118,17 @@ pub enum Error {
         /// What is empty, e.g. `mesh`.
         what: &'static str,
     },
+    /// Two pictures to be compared are of different size.
+    #[error(
+        "a picture of {}x{} pixels has no counterpart of its size, but one of {}x{}",
+        first[0], first[1], second[0], second[1]
+    )]
+    SizeMismatch {
+        /// Width and height of one, in pixels.
+        first: [u32; 2],
+        /// Width and height of the other.
+        second: [u32; 2],
+    },
     /// More elements than 32-bit indices can name.
     #[error("{found} {what} are more than the {limit} that 32-bit indices can name")]
     TooLarge {

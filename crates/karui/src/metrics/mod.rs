@@ -1,5 +1,7 @@
-//! How far a surface is from another, and how sound a mesh is.
+//! How far a surface is from another, how sound a mesh is, and how different two
+//! pictures look.
 
+pub mod image;
 mod quality;
 mod sampling;
 mod sides;

@@ -52,4 +52,5 @@ pub use options::{
 };
 pub use picture::Picture;
 pub use renderer::{Renderer, render};
+pub(crate) use srgb::linear_of_codes;
 pub use view::View;

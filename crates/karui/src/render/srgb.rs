@@ -19,6 +19,11 @@ static LEAST: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
+/// Linear values of all codes.
+pub(crate) fn linear_of_codes() -> &'static [f32; 256] {
+    &LINEAR
+}
+
 const STEPS: usize = 4096;
 
 /// Code of the least value that rounds to a 4096th of the linear range; as many
