@@ -11,7 +11,9 @@ mod output;
 mod progress;
 #[cfg(test)]
 mod reference;
+mod sheet;
 mod table;
+mod textures;
 mod weights;
 
 use clap::Parser;

@@ -5,6 +5,8 @@ use std::{fmt, io, path::PathBuf};
 
 /// What a gzip stream that grows too much has too much of.
 pub(crate) const INFLATED_SIZE: &str = "inflated size in bytes";
+/// What an image that is too wide or too high has too much of.
+pub(crate) const IMAGE_SIDE: &str = "longer side of an image in pixels";
 
 /// A problem with one file: which file, which place in it, what is wrong.
 ///
@@ -201,6 +203,7 @@ impl Error {
             ErrorKind::TooLarge { what, .. } if *what == INFLATED_SIZE => {
                 "this looks like a decompression bomb; if you trust it, unpack it first"
             }
+            ErrorKind::TooLarge { what, .. } if *what == IMAGE_SIDE => "make the image smaller",
             ErrorKind::TooLarge { .. } => "split the model into parts",
             _ => return None,
         })

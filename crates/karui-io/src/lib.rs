@@ -20,6 +20,8 @@
 //! Scenes are baked into one mesh in world space where a format has no nodes;
 //! [`Written::lost`] tells what a format could not hold.
 //!
+//! [`decode_image`] and [`encode_png`] are for pictures.
+//!
 //! Readers never panic and reserve no memory on the word of a header; every
 //! error names the file, the place and what was expected there. Writers leave
 //! either every file complete or none at all.
@@ -29,6 +31,7 @@ mod color;
 mod error;
 mod format;
 mod gltf;
+mod image;
 mod lost;
 mod number;
 mod obj;
@@ -45,6 +48,7 @@ pub use atomic::Written;
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::GltfOptions;
+pub use image::{decode_image, encode_png};
 pub use ply::PlyEncoding;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
 pub use warnings::Warnings;

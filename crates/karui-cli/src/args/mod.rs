@@ -1,8 +1,10 @@
 //! The command line as a whole; each command's own options are in its file.
 
+mod picture;
 mod screen;
 mod simplify;
 
+pub use picture::PictureArgs;
 pub use screen::ScreenArgs;
 pub use simplify::SimplifyArgs;
 

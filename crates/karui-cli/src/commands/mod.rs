@@ -7,6 +7,7 @@ mod info;
 mod lod;
 mod man;
 mod measure;
+mod render;
 mod replay;
 mod simplify;
 mod validate;
@@ -24,6 +25,7 @@ pub enum Command {
     Info(info::Args),
     Measure(measure::Args),
     Validate(validate::Args),
+    Render(render::Args),
     Convert(convert::Args),
     Bench(bench::Args),
     Completions(completions::Args),
@@ -39,6 +41,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
         Command::Validate(args) => validate::run(&args, console),
+        Command::Render(args) => render::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
         Command::Bench(args) => bench::run(&args, console),
         Command::Completions(args) => completions::run(&args),

@@ -1,0 +1,41 @@
+//! The images of a scene, decoded.
+
+use crate::console::Console;
+use crate::input::Input;
+use karui::mesh::{Image, ImageData};
+use karui::render::Picture;
+use rayon::prelude::*;
+
+/// All images of a model that can be decoded, by their index; warns of the others.
+pub fn decode(input: &Input, console: &Console) -> Vec<Option<Picture>> {
+    let images = &input.scene.images;
+    let decoded: Vec<_> = images.par_iter().map(decode_one).collect();
+    let named = (0..).zip(images).zip(decoded);
+    named
+        .map(|((i, image), picture)| {
+            let warn = |why: String| {
+                let (path, name) = (input.path.display(), name_of(image, i));
+                console.warn(&format!("{path}: {name}: {why}; drawn without it"));
+            };
+            picture.map_err(warn).ok()
+        })
+        .collect()
+}
+
+fn decode_one(image: &Image) -> Result<Picture, String> {
+    match &image.data {
+        ImageData::Bytes { bytes, .. } => {
+            karui_io::decode_image(bytes).map_err(|error| error.to_string())
+        }
+        ImageData::Missing { .. } => Err("the image is missing".to_owned()),
+    }
+}
+
+fn name_of(image: &Image, index: usize) -> String {
+    let uri = match &image.data {
+        ImageData::Bytes { uri, .. } => uri.as_deref(),
+        ImageData::Missing { uri } => Some(&**uri).filter(|uri| !uri.is_empty()),
+    };
+    let name = uri.or(image.name.as_deref());
+    name.map_or_else(|| format!("image {index}"), str::to_owned)
+}
