@@ -4,8 +4,9 @@
 
 use glam::Vec3;
 use karui::Error;
+use karui::mesh::PositionIds;
 use karui::mesh::{TriMesh, shapes};
-use karui::saliency::{Curvature, curvature};
+use karui::saliency::{Curvature, MeshSaliencyOptions, Suppression, curvature, mesh_saliency};
 
 fn scaled(mut mesh: TriMesh, by: f32) -> TriMesh {
     mesh.positions.iter_mut().for_each(|p| *p *= by);
@@ -32,10 +33,16 @@ fn spheres_bend_by_one_over_their_radius() {
         ];
         for mesh in spheres.map(of).iter().chain([&of(shapes::icosphere(5))]) {
             let all = curvature(mesh).unwrap();
+            // Stars of an icosphere are lopsided, and no finer one is less so.
+            let tolerance = if mesh.positions.len() == 10_242 {
+                0.04
+            } else {
+                0.02
+            };
             for (c, p) in all.iter().zip(&mesh.positions).filter(|c| is_midway(*c.1)) {
                 let r = f64::from(radius);
-                assert_near(c.k1 * r, 1.0, 0.02, "k1");
-                assert_near(c.k2 * r, 1.0, 0.02, "k2");
+                assert_near(c.k1 * r, 1.0, tolerance, "k1");
+                assert_near(c.k2 * r, 1.0, tolerance, "k2");
                 assert!(c.directions.iter().all(|d| d.dot(*p).abs() < 0.02 * radius));
             }
         }
@@ -148,4 +155,222 @@ fn wrong_meshes_are_errors() {
         curvature(&mesh),
         Err(Error::IndexOutOfRange { .. })
     ));
+}
+
+/// The definition, summed over all pairs of vertices without seams.
+fn plain(mesh: &TriMesh) -> Vec<f64> {
+    let diagonal = mesh.bounds().diagonal();
+    let bends: Vec<f64> = curvature(mesh)
+        .unwrap()
+        .iter()
+        .map(Curvature::mean)
+        .collect();
+    let places: Vec<_> = mesh.positions.iter().map(|p| p.as_dvec3()).collect();
+    let smooth = |width: f64| -> Vec<f64> {
+        let at = |v: &glam::DVec3| {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (x, bend) in places.iter().zip(&bends) {
+                let squared = x.distance_squared(*v);
+                if squared < 4.0 * width * width {
+                    let weight = (-squared / (2.0 * width * width)).exp();
+                    sum += weight * bend;
+                    weights += weight;
+                }
+            }
+            sum / weights
+        };
+        places.par_iter().map(at).collect()
+    };
+    let mut total = vec![0.0; places.len()];
+    for scale in [2.0, 3.0, 4.0, 5.0, 6.0] {
+        let width = scale * 0.003 * diagonal;
+        let pairs = smooth(width).into_iter().zip(smooth(2.0 * width));
+        let raw: Vec<f64> = pairs.map(|(a, b)| f64::abs(a - b)).collect();
+        let top = raw.iter().copied().fold(0.0, f64::max);
+        let mut above = vec![true; raw.len()];
+        for &[a, b, c] in &mesh.triangles {
+            for (p, q) in [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)] {
+                above[p as usize] &= raw[p as usize] > raw[q as usize];
+            }
+        }
+        let peaks = raw
+            .iter()
+            .zip(&above)
+            .filter(|(r, above)| **above && **r < top);
+        let peaks: Vec<f64> = peaks.map(|(r, _)| r / top).collect();
+        let mean = peaks.iter().sum::<f64>() / (peaks.len().max(1) as f64);
+        let shares = total.iter_mut().zip(&raw);
+        shares.for_each(|(t, r)| *t += r / top * (1.0 - mean) * (1.0 - mean));
+    }
+    let top = total.iter().copied().fold(0.0, f64::max);
+    total.iter().map(|t| t / top).collect()
+}
+
+/// Pushed out along the way from the origin by `height`.
+fn dented(mut mesh: TriMesh, height: impl Fn(Vec3) -> f32) -> TriMesh {
+    mesh.positions
+        .iter_mut()
+        .for_each(|p| *p *= 1.0 + height(p.normalize()));
+    mesh
+}
+
+fn bump(p: Vec3, top: Vec3) -> f32 {
+    0.03 * (-p.distance_squared(top) / 0.003).exp()
+}
+
+fn wavy(p: Vec3) -> f32 {
+    let wave = (9.0 * p.x).sin() * (7.0 * p.y + 1.0).sin() + (31.0 * p.z + p.x).sin() * 0.1;
+    0.02 * wave + bump(p, Vec3::X)
+}
+
+#[test]
+fn sums_are_within_one_percent_of_the_plain_ones() {
+    let part = |mut mesh: TriMesh, by: f32| {
+        mesh.positions
+            .iter_mut()
+            .for_each(|p| *p = *p * 0.5 + Vec3::Y * by);
+        mesh
+    };
+    let meshes = [
+        ("coarse", dented(shapes::icosphere(4), wavy)),
+        ("middle", dented(shapes::uv_sphere(90, 120), wavy)),
+        ("torus", dented(shapes::torus(2.0, 0.4, 200, 50), wavy)),
+        ("rough", part(shapes::landscape(70, 70, 3), 0.2)),
+        ("dense patch", height_patch(130)),
+    ];
+    for (name, mesh) in meshes {
+        let found = mesh_saliency(&mesh, &MeshSaliencyOptions::default()).unwrap();
+        let expected = plain(&mesh);
+        let pairs = found.iter().zip(&expected);
+        let off = pairs
+            .map(|(a, b)| (f64::from(*a) - b).abs())
+            .fold(0.0, f64::max);
+        println!("{name}: {} vertices, off by {off:.5}", found.len());
+        assert!(off < 0.01, "{name}: {off}");
+    }
+}
+
+/// Long and thin, so that many vertices lie within the narrowest Gaussian.
+fn height_patch(n: u32) -> TriMesh {
+    let mut mesh = shapes::height_grid(6 * n, n / 6, |x, z| {
+        0.004 * (x * 60.0).sin() * (z * 5.0).cos() + 0.01 * (-(x - 0.6).powi(2) * 900.0).exp()
+    });
+    mesh.positions.iter_mut().for_each(|p| p.z *= 0.03);
+    mesh
+}
+
+#[test]
+fn even_surfaces_have_none() {
+    let spheres = [shapes::icosphere(4), shapes::icosphere(6)];
+    for mesh in spheres.iter().chain([&shapes::grid(40, 40)]) {
+        let found = mesh_saliency(mesh, &MeshSaliencyOptions::default()).unwrap();
+        let top = found.iter().copied().fold(0.0, f32::max);
+        assert!(top < 1e-6, "{top} of {}", found.len());
+    }
+}
+
+fn top(mesh: &TriMesh, found: &[f32]) -> Vec3 {
+    let best = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b]));
+    mesh.positions[best.unwrap()]
+}
+
+#[test]
+fn one_bump_is_the_peak() {
+    let at = Vec3::new(0.48, 0.6, 0.64);
+    let mesh = dented(shapes::icosphere(6), |p| bump(p, at));
+    for options in [
+        MeshSaliencyOptions::lee2005(),
+        MeshSaliencyOptions::thesis2014(),
+    ] {
+        let found = mesh_saliency(&mesh, &options).unwrap();
+        assert!(top(&mesh, &found).normalize().distance(at) < 0.05);
+        assert!(found.iter().all(|s| (0.0..=1.0).contains(s)));
+        assert!(found.contains(&1.0));
+    }
+}
+
+#[test]
+fn many_equal_bumps_score_lower_than_one() {
+    let tops = shapes::icosphere(1).positions;
+    let one = dented(shapes::icosphere(6), |p| bump(p, tops[0]));
+    let many = dented(shapes::icosphere(6), |p| {
+        tops.iter().map(|t| bump(p, *t)).sum()
+    });
+    let of = |mesh: &TriMesh, suppression| {
+        let options = MeshSaliencyOptions {
+            suppression,
+            stretch: false,
+            ..MeshSaliencyOptions::default()
+        };
+        let found = mesh_saliency(mesh, &options).unwrap();
+        found.iter().copied().fold(0.0, f32::max)
+    };
+    for suppression in [Suppression::Squared, Suppression::Linear] {
+        let (single, several) = (of(&one, suppression), of(&many, suppression));
+        assert!(several < 0.95 * single, "{several}, one {single}");
+    }
+    let (single, several) = (of(&one, Suppression::Off), of(&many, Suppression::Off));
+    assert!(
+        (several / single - 1.0).abs() < 0.2,
+        "{several}, one {single}"
+    );
+}
+
+#[test]
+fn saliency_of_anything_is_between_0_and_1() {
+    let mut zoo = shapes::zoo();
+    zoo.push(("point", TriMesh::new(vec![Vec3::ONE], vec![])));
+    zoo.push(("no area", TriMesh::new(vec![Vec3::ONE; 3], vec![[0, 1, 2]])));
+    for (name, mesh) in zoo {
+        for by in [1e-30, 1.0, 1e30] {
+            let mesh = scaled(mesh.clone(), by);
+            let found = mesh_saliency(&mesh, &MeshSaliencyOptions::default()).unwrap();
+            assert_eq!(found.len(), mesh.positions.len());
+            assert!(
+                found.iter().all(|s| (0.0..=1.0).contains(s)),
+                "{name} x {by}"
+            );
+            let ids = PositionIds::of_mesh(&mesh);
+            for (v, &id) in ids.of_vertex.iter().enumerate() {
+                assert_eq!(found[v], found[ids.first_vertices()[id as usize] as usize]);
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_options_and_positions_are_errors() {
+    let mut mesh = shapes::icosphere(1);
+    for (epsilon, scales) in [
+        (f64::NAN, 2.0),
+        (0.0, 2.0),
+        (0.003, 0.0),
+        (1e-9, 2.0),
+        (0.003, f64::NAN),
+    ] {
+        let options = MeshSaliencyOptions {
+            epsilon,
+            scales: vec![scales],
+            ..MeshSaliencyOptions::default()
+        };
+        assert!(matches!(
+            mesh_saliency(&mesh, &options),
+            Err(Error::BadOption { .. })
+        ));
+    }
+    mesh.positions[5].x = f32::INFINITY;
+    let found = mesh_saliency(&mesh, &MeshSaliencyOptions::default());
+    assert!(matches!(found, Err(Error::NotFinite { index: 5, .. })));
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let mesh = dented(shapes::icosphere(6), wavy);
+    let of = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let run = || mesh_saliency(&mesh, &MeshSaliencyOptions::default());
+        pool.unwrap().install(run).unwrap()
+    };
+    let one = of(1);
+    assert!([2, 8].iter().all(|&threads| of(threads) == one));
 }

@@ -6,6 +6,9 @@
 //! - An Guangming: master's thesis, Tokyo University of Technology, 2014.
 
 mod curvature;
+mod gauss;
+mod mesh;
 mod stars;
 
 pub use curvature::{Curvature, curvature};
+pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
