@@ -7,6 +7,7 @@ use karui::Error;
 use karui::mesh::PositionIds;
 use karui::mesh::{TriMesh, shapes};
 use karui::saliency::{Curvature, MeshSaliencyOptions, Suppression, curvature, mesh_saliency};
+use rayon::prelude::*;
 
 fn scaled(mut mesh: TriMesh, by: f32) -> TriMesh {
     mesh.positions.iter_mut().for_each(|p| *p *= by);
