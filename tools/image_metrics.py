@@ -20,7 +20,7 @@ def pattern(x, y):
     """A disc, a grid and ramps."""
     disc = (x - 30) ** 2 + (y - 25) ** 2 < 300
     grid = (x % 8 < 1) | (y % 12 < 1)
-    ramps = np.stack([x * 255 // 95, y * 255 // 95, (x * 3 + y * 5) % 256], -1)
+    ramps = np.stack([x * 255 // 95, y * 255 // 95 % 256, (x * 3 + y * 5) % 256], -1)
     ramps[grid] = [250, 250, 240]
     ramps[disc] = [200, 40, 30]
     return ramps
@@ -35,6 +35,9 @@ def pair(name, width, height):
         return a, a + (x % 4 < 2)[..., None] * (255 - a) // 8
     if name == "blurred":
         return a, (pattern(x, y) + pattern(x + 1, y) + pattern(x, y + 1)) // 3
+    if name == "dot":
+        dot = (abs(x - 60) < 3) & (abs(y - 192) < 3)
+        return a, np.where(dot[..., None], 255 - a, a)
     return a, 255 - a
 
 
@@ -72,5 +75,6 @@ for width, height in SIZES:
         report(name, width, height, 67.0206)
 report("shifted", 64, 48, 30.0)
 report("shifted", 64, 48, 150.0)
+report("dot", 64, 200, 67.0206)
 black = np.zeros((30, 30, 3), int)
 print(f"black to white: {flip(black, black + 255, 67.0206)[1]:.6f}")

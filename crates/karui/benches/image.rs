@@ -10,18 +10,40 @@ fn main() {
     divan::main();
 }
 
-/// Runs on two pictures without flat areas, `side` pixels square.
 fn run<T: Send>(
     bencher: Bencher<'_, '_>,
-    (threads, side): (usize, u32),
+    threads: usize,
+    [a, b]: [Picture; 2],
     f: impl Fn(&Picture, &Picture) -> T + Sync,
 ) {
-    let [a, b] = [3, 5].map(|step| picture(side, step));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let Ok(pool) = pool.build() else { return };
     bencher
         .counter(ItemsCount::new(a.pixels().len()))
         .bench(|| pool.install(|| f(&a, &b)));
+}
+
+/// A quarter of the picture differs, as where a model stands before a background.
+#[divan::bench(args = [(1, 256), (1, 512), (2, 512)], sample_count = 20)]
+fn flip_of_a_quarter(bencher: Bencher<'_, '_>, (threads, side): (usize, u32)) {
+    let a = picture(side, 3);
+    let mut b = a.clone();
+    for (i, pixel) in (0..side * side).zip(b.pixels_mut()) {
+        if [i % side, i / side]
+            .iter()
+            .all(|v| (side / 4..side * 3 / 4).contains(v))
+        {
+            pixel[0] ^= 32;
+        }
+    }
+    run(bencher, threads, [a, b], |a, b| {
+        image::flip(a, b, PIXELS_PER_DEGREE)
+    });
+}
+
+/// Two pictures without flat areas.
+fn two(side: u32) -> [Picture; 2] {
+    [3, 5].map(|step| picture(side, step))
 }
 
 fn picture(side: u32, step: u32) -> Picture {
@@ -34,23 +56,25 @@ fn picture(side: u32, step: u32) -> Picture {
 }
 
 #[divan::bench(args = [(1, 256), (1, 512), (2, 512)], sample_count = 20)]
-fn rmse(bencher: Bencher<'_, '_>, size: (usize, u32)) {
-    run(bencher, size, image::rmse);
+fn rmse(bencher: Bencher<'_, '_>, (threads, side): (usize, u32)) {
+    run(bencher, threads, two(side), image::rmse);
 }
 
 #[divan::bench(args = [(1, 256), (1, 512), (2, 512)], sample_count = 20)]
-fn ssim(bencher: Bencher<'_, '_>, size: (usize, u32)) {
-    run(bencher, size, image::ssim);
+fn ssim(bencher: Bencher<'_, '_>, (threads, side): (usize, u32)) {
+    run(bencher, threads, two(side), image::ssim);
 }
 
 #[divan::bench(args = [(1, 256), (1, 512), (2, 512)], sample_count = 20)]
-fn flip(bencher: Bencher<'_, '_>, size: (usize, u32)) {
-    run(bencher, size, |a, b| image::flip(a, b, PIXELS_PER_DEGREE));
+fn flip(bencher: Bencher<'_, '_>, (threads, side): (usize, u32)) {
+    run(bencher, threads, two(side), |a, b| {
+        image::flip(a, b, PIXELS_PER_DEGREE)
+    });
 }
 
 #[divan::bench(args = [(1, 256), (1, 512), (2, 512)], sample_count = 20)]
-fn compare(bencher: Bencher<'_, '_>, size: (usize, u32)) {
-    run(bencher, size, |a, b| {
+fn compare(bencher: Bencher<'_, '_>, (threads, side): (usize, u32)) {
+    run(bencher, threads, two(side), |a, b| {
         image::compare(a, b, &ImageOptions::default())
     });
 }

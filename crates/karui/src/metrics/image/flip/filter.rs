@@ -55,6 +55,15 @@ impl Filters {
             point: unit_sides(&sampled(reach, |x| (x * x / (sd * sd) - 1.0) * bell(x))),
         }
     }
+
+    /// Distance in pixels beyond which no filter sees anything.
+    pub(super) fn reach(&self) -> usize {
+        let [(_, wide), (_, narrow)] = &self.blue_yellow;
+        let colors = [&self.luminance, &self.red_green, wide, narrow];
+        let features = [&self.across, &self.edge, &self.point];
+        let kernels = colors.into_iter().chain(features);
+        kernels.map(|k| k.len() / 2).fold(0, usize::max)
+    }
 }
 
 fn sampled(radius: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {

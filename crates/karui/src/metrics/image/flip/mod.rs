@@ -76,12 +76,17 @@ fn map_of(pair: &Pair, filters: &Filters) -> Flip {
     let scale = Scale::new();
     let mut map = vec![0.0; pair.a.len()];
     let scratch = || [Scratch::new(width), Scratch::new(width)];
+    let touched = touched(pair, filters.reach());
     // One sum a row, added in order, so that rounding does not depend on threads.
     let mut sums = vec![0.0; pair.height];
     map.par_chunks_mut(width)
         .zip(&mut sums)
+        .zip(touched)
         .enumerate()
-        .for_each_init(scratch, |scratch, (y, (errors, sum))| {
+        .for_each_init(scratch, |scratch, (y, ((errors, sum), touched))| {
+            if !touched {
+                return;
+            }
             for (scratch, planes) in scratch.iter_mut().zip(&planes) {
                 scratch.fill(planes, y, filters);
             }
@@ -94,4 +99,15 @@ fn map_of(pair: &Pair, filters: &Filters) -> Flip {
         width: width as u32,
         height: pair.height as u32,
     }
+}
+
+/// Rows that see a difference: in the others, errors are 0. Views of two levels of
+/// detail have much background in common.
+fn touched(pair: &Pair, reach: usize) -> Vec<bool> {
+    let rows = [&pair.a, &pair.b].map(|pixels| pixels.chunks(pair.width));
+    let [a, b] = rows;
+    let differs: Vec<bool> = a.zip(b).map(|(a, b)| a != b).collect();
+    let near = |y: usize| y.saturating_sub(reach)..(y + reach + 1).min(pair.height);
+    let any = |y: usize| differs[near(y)].contains(&true);
+    (0..pair.height).map(any).collect()
 }

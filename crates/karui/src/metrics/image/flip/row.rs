@@ -122,9 +122,14 @@ fn add(sums: &mut [f32], values: &[f32], weight: f32) {
 pub(super) fn errors(rows: &[Scratch; 2], scale: &Scale, errors: &mut [f32]) {
     let [a, b] = rows;
     for (x, error) in errors.iter_mut().enumerate() {
-        let [lab_a, lab_b] = [a, b].map(|row| color::lab(row.color(x), &scale.inverse));
-        let color = scale.difference(lab_a, lab_b);
         let ([edge_a, point_a], [edge_b, point_b]) = (a.features(x), b.features(x));
+        let colors = [a.color(x), b.color(x)];
+        if colors[0] == colors[1] && edge_a == edge_b && point_a == point_b {
+            *error = 0.0;
+            continue;
+        }
+        let [lab_a, lab_b] = colors.map(|color| color::lab(color, &scale.inverse));
+        let color = scale.difference(lab_a, lab_b);
         let feature = (edge_a - edge_b).abs().max((point_a - point_b).abs());
         let feature = (FRAC_1_SQRT_2 * feature).clamp(0.0, 1.0).sqrt();
         *error = color.powf(1.0 - feature).clamp(0.0, 1.0);
