@@ -11,6 +11,7 @@ mod output;
 mod progress;
 #[cfg(test)]
 mod reference;
+mod saliency;
 mod sheet;
 mod table;
 mod textures;

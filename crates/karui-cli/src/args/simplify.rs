@@ -1,6 +1,9 @@
 //! How triangles are removed; the same for every command that does.
 
 use crate::failure::Failure;
+use crate::input::Input;
+use crate::saliency::{self, Kind};
+use crate::weights::{self, MeshWeights};
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::lod::Method;
@@ -24,7 +27,13 @@ pub struct SimplifyArgs {
     /// Keep more detail where this is larger than 1: a vertex attribute of the model (a custom
     /// name, or a colour channel such as COLOR_0.r) or a text file with one number a vertex
     #[arg(long, value_name = "ATTR|FILE")]
-    pub weights: Option<String>,
+    weights: Option<String>,
+    /// Keep more detail where this says that it matters
+    #[arg(long, value_enum, value_name = "KIND", conflicts_with = "weights")]
+    saliency: Option<Kind>,
+    /// How many times as much a collapse costs where it matters most; 1 or more
+    #[arg(long, value_name = "X", default_value_t = 10.0, requires = "saliency")]
+    saliency_weight: f32,
     /// Where new vertices may lie
     #[arg(long, value_enum, default_value_t = PlacementArg::Optimal)]
     placement: PlacementArg,
@@ -73,11 +82,12 @@ pub struct SimplifyArgs {
 }
 
 /// Options that clustering has no use for.
-const SHAPING: [&str; 13] = [
+const SHAPING: [&str; 14] = [
     "quality",
     "border",
     "lock_border",
     "weights",
+    "saliency",
     "placement",
     "cost",
     "normal_weight",
@@ -156,6 +166,20 @@ impl SimplifyArgs {
                 false => Topology::Simplify,
             },
             ..SimplifyOptions::default()
+        }
+    }
+
+    /// One weight a vertex of every mesh; none if all are 1.
+    pub fn weights(&self, input: &Input) -> Result<MeshWeights> {
+        let most = self.saliency_weight;
+        match (&self.weights, self.saliency) {
+            (Some(name), _) => weights::load(name, input),
+            (_, Some(_)) if !(1.0..=f32::MAX).contains(&most) => {
+                let message = format!("--saliency-weight is {most}; it must be 1 or more");
+                Err(Failure::input(message).into())
+            }
+            (_, Some(kind)) => saliency::weights(kind, most, input),
+            _ => Ok(MeshWeights::new()),
         }
     }
 

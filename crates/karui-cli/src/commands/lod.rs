@@ -5,10 +5,10 @@ mod report;
 
 use crate::args::{ScreenArgs, SimplifyArgs, WriteArgs};
 use crate::console::Console;
+use crate::explain;
 use crate::input::{self, Input};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, seconds};
-use crate::{explain, weights};
 use anyhow::Result;
 use karui::lod::{Levels, LodOptions, SceneChain, chain_scene, to_msft_lod};
 use karui_io::WriteOptions;
@@ -109,8 +109,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn build(args: &Args, input: &Input, console: &Console) -> Result<SceneChain> {
-    let weights = args.simplify.weights.as_deref();
-    let weights = weights.map(|name| weights::load(name, input)).transpose()?;
+    let weights = args.simplify.weights(input)?;
     if input.scene.stand_ins().contains(&true) {
         console.warn("the model has levels of detail already; new ones take their place");
     }
@@ -121,7 +120,7 @@ fn build(args: &Args, input: &Input, console: &Console) -> Result<SceneChain> {
         simplify: args.simplify.resolve(),
         method: args.simplify.method(),
         prune: args.simplify.prune()?,
-        weights: weights.as_deref().unwrap_or_default(),
+        weights: &weights,
         samples: args.samples,
         progress: &*progress,
         ..LodOptions::default()

@@ -9,6 +9,7 @@ mod man;
 mod measure;
 mod render;
 mod replay;
+mod saliency;
 mod simplify;
 mod validate;
 
@@ -22,6 +23,7 @@ pub enum Command {
     Lod(lod::Args),
     Simplify(simplify::Args),
     Replay(replay::Args),
+    Saliency(saliency::Args),
     Info(info::Args),
     Measure(measure::Args),
     Validate(validate::Args),
@@ -38,6 +40,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Lod(args) => lod::run(&args, console),
         Command::Simplify(args) => simplify::run(&args, console),
         Command::Replay(args) => replay::run(&args, console),
+        Command::Saliency(args) => saliency::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
         Command::Validate(args) => validate::run(&args, console),

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, percent, seconds};
-use crate::{explain, output, weights};
+use crate::{explain, output};
 use anyhow::Result;
 use karui::lod::{LevelSummary, Levels, LodChain, LodOptions, SceneChain, chain_scene};
 use karui::simplify::{CollapseLog, SimplifyOptions, Stop, Stopped};
@@ -109,8 +109,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<SceneChain> {
-    let weights = args.simplify.weights.as_deref();
-    let weights = weights.map(|name| weights::load(name, input)).transpose()?;
+    let weights = args.simplify.weights(input)?;
     let progress = console.progress();
     let options = LodOptions {
         levels: Levels::Stops(vec![stop]),
@@ -120,7 +119,7 @@ fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<Sc
         },
         method: args.simplify.method(),
         prune: args.simplify.prune()?,
-        weights: weights.as_deref().unwrap_or_default(),
+        weights: &weights,
         samples: args.samples,
         progress: &*progress,
         ..LodOptions::default()

@@ -8,7 +8,10 @@
 mod curvature;
 mod gauss;
 mod mesh;
+mod quantile;
 mod stars;
+mod weight;
 
 pub use curvature::{Curvature, curvature};
 pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
+pub use weight::WeightMap;

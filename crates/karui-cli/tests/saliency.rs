@@ -1,0 +1,97 @@
+//! `karui saliency` and `--saliency`, end to end.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::Folder;
+use karui::mesh::{AttributeValues, Scene, shapes};
+use karui::{TriMesh, geom::Vec3};
+
+/// A torus with one bump outside.
+fn bumped() -> TriMesh {
+    let mut mesh = shapes::torus(1.0, 0.45, 192, 96);
+    for p in &mut mesh.positions {
+        let way = (*p - Vec3::new(1.45, 0.0, 0.0)).length();
+        *p *= 1.0 + 0.06 * (-way * way / 0.004).exp();
+    }
+    mesh
+}
+
+fn values(mesh: &TriMesh) -> Vec<f32> {
+    let mut custom = mesh.attributes.custom.iter();
+    let named = custom.find(|a| a.name.eq_ignore_ascii_case("saliency"));
+    match &named.unwrap().values {
+        AttributeValues::F32(values) => values.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn near_bump(mesh: &TriMesh, v: usize) -> bool {
+    (mesh.positions[v] - Vec3::new(1.45, 0.0, 0.0)).length() < 0.25
+}
+
+#[test]
+fn the_bump_is_what_matters() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    for kind in ["curvature", "mesh"] {
+        let ran = folder.ok(&format!(
+            "saliency bump.ply -o {kind}.ply --kind {kind} --colors"
+        ));
+        assert!(ran.out.lines().count() > 10, "{ran:?}");
+        let scene = karui_io::read(folder.path(&format!("{kind}.ply"))).unwrap();
+        let mesh = &scene.meshes[0].mesh;
+        let found = values(mesh);
+        assert!(found.iter().all(|v| (0.0..=1.0).contains(v)));
+        let most = (0..found.len()).max_by(|a, b| found[*a].total_cmp(&found[*b]));
+        assert!(near_bump(mesh, most.unwrap()), "{kind}");
+        assert_eq!(mesh.attributes.colors[0].len(), found.len());
+    }
+}
+
+#[test]
+fn what_matters_keeps_its_triangles() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    folder.ok("simplify bump.ply -o plain.ply --triangles 2000");
+    folder.ok(
+        "simplify bump.ply -o steered.ply --triangles 2000 --saliency mesh --saliency-weight 100",
+    );
+    let near = |name: &str| {
+        let scene = karui_io::read(folder.path(name)).unwrap();
+        let mesh = scene.meshes[0].mesh.clone();
+        (0..mesh.positions.len())
+            .filter(|v| near_bump(&mesh, *v))
+            .count()
+    };
+    let (plain, steered) = (near("plain.ply"), near("steered.ply"));
+    assert!(steered > plain, "{steered} vertices, {plain} without");
+}
+
+#[test]
+fn attributes_made_can_be_given_back() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    folder.ok("saliency bump.ply -o marked.ply");
+    folder.ok("simplify marked.ply -o coarse.ply --ratio 0.1 --weights saliency");
+    assert!(!folder.read("coarse.ply").is_empty());
+}
+
+#[test]
+fn bad_use_is_told_and_nothing_written() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(shapes::cube(1)));
+    folder.fails(2, "simplify bump.ply -o a.ply --ratio 0.5 --saliency taste");
+    folder.fails(
+        2,
+        "simplify bump.ply -o a.ply --ratio 0.5 --saliency mesh --weights w",
+    );
+    let ran = folder.fails(
+        2,
+        "simplify bump.ply -o a.ply --ratio 0.5 --saliency mesh --saliency-weight 0.5",
+    );
+    assert!(ran.err.contains("1 or more"), "{ran:?}");
+    folder.fails(2, "saliency bump.ply -o a.docx");
+    folder.fails(2, "saliency none.ply -o a.ply");
+    assert!(!folder.path("a.ply").exists());
+}
