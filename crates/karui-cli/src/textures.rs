@@ -13,7 +13,9 @@ pub fn decode(input: &Input, console: &Console) -> Vec<Option<Picture>> {
     let named = (0..).zip(images).zip(decoded);
     named
         .map(|((i, image), picture)| {
-            let warn = |why: String| {
+            let warn = |why: Option<String>| {
+                // The reader has warned of files that are not there.
+                let Some(why) = why else { return };
                 let (path, name) = (input.path.display(), name_of(image, i));
                 console.warn(&format!("{path}: {name}: {why}; drawn without it"));
             };
@@ -22,19 +24,20 @@ pub fn decode(input: &Input, console: &Console) -> Vec<Option<Picture>> {
         .collect()
 }
 
-fn decode_one(image: &Image) -> Result<Picture, String> {
+/// The image, or what is wrong with it if that is news.
+fn decode_one(image: &Image) -> Result<Picture, Option<String>> {
     match &image.data {
         ImageData::Bytes { bytes, .. } => {
-            karui_io::decode_image(bytes).map_err(|error| error.to_string())
+            karui_io::decode_image(bytes).map_err(|error| Some(error.to_string()))
         }
-        ImageData::Missing { .. } => Err("the image is missing".to_owned()),
+        ImageData::Missing { .. } => Err(None),
     }
 }
 
 fn name_of(image: &Image, index: usize) -> String {
     let uri = match &image.data {
         ImageData::Bytes { uri, .. } => uri.as_deref(),
-        ImageData::Missing { uri } => Some(&**uri).filter(|uri| !uri.is_empty()),
+        ImageData::Missing { uri } => Some(&**uri),
     };
     let name = uri.or(image.name.as_deref());
     name.map_or_else(|| format!("image {index}"), str::to_owned)

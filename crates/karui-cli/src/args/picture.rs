@@ -14,7 +14,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "N", default_value = "2", value_parser = samples)]
     samples: u32,
     /// Behind everything, as hexadecimal digits; alpha is ff if left out
-    #[arg(long, value_name = "RRGGBB[AA]", default_value = "ffffff", value_parser = color)]
+    #[arg(long, value_name = "RRGGBB[AA]", default_value = "dde1e6", value_parser = color)]
     background: Rgba,
     /// Where the colours come from
     #[arg(long, value_enum, default_value_t = PaintArg::Model)]
@@ -45,7 +45,7 @@ struct CameraArgs {
         long,
         value_name = "DEG",
         default_value_t = 30.0,
-        allow_hyphen_values = true
+        allow_hyphen_values = true, value_parser = azimuth
     )]
     azimuth: f32,
     /// Degrees above the horizon
@@ -199,6 +199,10 @@ fn direction(text: &str) -> Result<Vec3, String> {
         true => Ok(v),
         false => Err("a direction is finite and not zero".to_owned()),
     }
+}
+
+fn azimuth(text: &str) -> Result<f32, String> {
+    within(text, -360.0, 360.0)
 }
 
 fn elevation(text: &str) -> Result<f32, String> {
