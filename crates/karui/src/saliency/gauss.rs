@@ -242,7 +242,7 @@ fn mean(near: &[Batch], at: Vec3) -> f64 {
             let [x, y, z] = [0, 1, 2].map(|k| batch.place[k][l] - at[k]);
             let squared = x * x + y * y + z * z;
             let inside = (CUT_SQUARED - squared) * (0.5 / CUT as f32) * batch.sharpness[l] + 0.5;
-            let weight = gaussian(squared) * inside.max(0.0).min(1.0);
+            let weight = gaussian(squared) * inside.clamp(0.0, 1.0);
             let [mx, my, mz] = [0, 1, 2].map(|k| batch.moment[k][l]);
             let sum = batch.sum[l] - (x * mx + y * my + z * mz);
             sums[l] += sum * weight;
