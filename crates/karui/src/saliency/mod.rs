@@ -2,16 +2,22 @@
 //!
 //! - G. Taubin: Estimating the Tensor of Curvature of a Surface from a
 //!   Polyhedral Approximation, ICCV 1995.
+//! - L. Itti, C. Koch, E. Niebur: A Model of Saliency-Based Visual Attention for
+//!   Rapid Scene Analysis, PAMI 1998.
 //! - C. H. Lee, A. Varshney, D. W. Jacobs: Mesh Saliency, SIGGRAPH 2005.
 //! - An Guangming: master's thesis, Tokyo University of Technology, 2014.
 
 mod curvature;
 mod gauss;
+mod image;
 mod mesh;
 mod quantile;
 mod stars;
+mod views;
 mod weight;
 
 pub use curvature::{Curvature, curvature};
+pub use image::{ImageSaliency, ImageSaliencyOptions, SaliencyMap, image_saliency};
 pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
+pub use views::{MultiView, MultiViewOptions, Unseen, ViewLights, Views, multi_view};
 pub use weight::WeightMap;
