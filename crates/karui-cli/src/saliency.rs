@@ -1,10 +1,14 @@
 //! `--saliency`: how much every vertex matters.
 
+use crate::console::Console;
 use crate::input::Input;
+use crate::textures;
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::TriMesh;
-use karui::saliency::{self, MeshSaliencyOptions, WeightMap};
+use karui::render::Model;
+use karui::saliency::{self, HybridOptions, MeshSaliencyOptions, MultiView, MultiViewOptions};
+use karui::saliency::{Views, WeightMap};
 
 /// Ways to tell what matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -13,7 +17,15 @@ pub enum Kind {
     Curvature,
     /// Where it bends otherwise than around it (Lee, Varshney & Jacobs 2005)
     Mesh,
+    /// What stands out in pictures from all around, textures included (Itti, Koch & Niebur
+    /// 1998; mean of 96 views)
+    Image,
+    /// All three: at each vertex the one that has most to say (An 2014)
+    Hybrid,
 }
+
+/// Directions that pictures are made from.
+const VIEWS: u32 = 96;
 
 impl Kind {
     /// As on the command line.
@@ -23,29 +35,62 @@ impl Kind {
     }
 
     /// One value a vertex, 0 to 1.
-    fn of_mesh(self, mesh: &TriMesh) -> Result<Vec<f32>> {
-        Ok(match self {
-            Self::Curvature => bend(mesh)?,
-            Self::Mesh => saliency::mesh_saliency(mesh, &MeshSaliencyOptions::default())?,
+    fn of_mesh(self, mesh: &TriMesh, views: Option<&MultiView>) -> Result<Vec<f32>> {
+        let of_shape = |mesh| saliency::mesh_saliency(mesh, &MeshSaliencyOptions::default());
+        Ok(match (self, views) {
+            (Self::Curvature, _) => bend(mesh)?,
+            (Self::Image, Some(views)) => views.mean.clone(),
+            (Self::Hybrid, Some(views)) => {
+                let (bend, shape) = (bend(mesh)?, of_shape(mesh)?);
+                saliency::hybrid(&bend, &shape, views, &HybridOptions::default())?.values
+            }
+            _ => of_shape(mesh)?,
         })
     }
 }
 
 /// One value a vertex of every mesh, 0 to 1; a mesh without triangles has zeros.
-pub fn of_scene(kind: Kind, input: &Input) -> Result<Vec<Vec<f32>>> {
-    let of_mesh = |mesh: &TriMesh| match mesh.triangles.is_empty() {
-        true => Ok(vec![0.0; mesh.positions.len()]),
-        false => kind.of_mesh(mesh),
+pub fn of_scene(kind: Kind, input: &Input, console: &Console) -> Result<Vec<Vec<f32>>> {
+    let views = match kind {
+        Kind::Image | Kind::Hybrid => look(input, console)?,
+        Kind::Curvature | Kind::Mesh => Vec::new(),
     };
-    let meshes = input.scene.meshes.iter();
-    meshes.map(|m| of_mesh(&m.mesh)).collect()
+    let of_mesh = |(i, mesh): (usize, &TriMesh)| match mesh.triangles.is_empty() {
+        true => Ok(vec![0.0; mesh.positions.len()]),
+        false => kind.of_mesh(mesh, views.get(i)),
+    };
+    let meshes = input.scene.meshes.iter().map(|m| &m.mesh);
+    meshes.enumerate().map(of_mesh).collect()
+}
+
+/// What pictures from all around say about every mesh.
+fn look(input: &Input, console: &Console) -> Result<Vec<MultiView>> {
+    let images = textures::decode(input, console);
+    let model = Model::of_scene(&input.scene, &images);
+    let options = MultiViewOptions {
+        views: Views::Fibonacci(VIEWS),
+        ..MultiViewOptions::default()
+    };
+    Ok(saliency::multi_view(
+        &model,
+        &options,
+        &*console.progress(),
+    )?)
 }
 
 /// Weights for simplification, from 1 to `most`.
-pub fn weights(kind: Kind, most: f32, input: &Input) -> Result<Vec<Option<Vec<f32>>>> {
+pub fn weights(
+    kind: Kind,
+    most: f32,
+    input: &Input,
+    console: &Console,
+) -> Result<Vec<Option<Vec<f32>>>> {
     let map = WeightMap::Linear { least: 1.0, most };
     let of_mesh = |values: Vec<f32>| Ok(Some(map.weights(&values)?));
-    of_scene(kind, input)?.into_iter().map(of_mesh).collect()
+    of_scene(kind, input, console)?
+        .into_iter()
+        .map(of_mesh)
+        .collect()
 }
 
 /// Share of the vertices whose curvature is the largest there is: a few spikes would

@@ -1,5 +1,6 @@
 //! How triangles are removed; the same for every command that does.
 
+use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::saliency::{self, Kind};
@@ -170,7 +171,7 @@ impl SimplifyArgs {
     }
 
     /// One weight a vertex of every mesh; none if all are 1.
-    pub fn weights(&self, input: &Input) -> Result<MeshWeights> {
+    pub fn weights(&self, input: &Input, console: &Console) -> Result<MeshWeights> {
         let most = self.saliency_weight;
         match (&self.weights, self.saliency) {
             (Some(name), _) => weights::load(name, input),
@@ -178,7 +179,7 @@ impl SimplifyArgs {
                 let message = format!("--saliency-weight is {most}; it must be 1 or more");
                 Err(Failure::input(message).into())
             }
-            (_, Some(kind)) => saliency::weights(kind, most, input),
+            (_, Some(kind)) => saliency::weights(kind, most, input, console),
             _ => Ok(MeshWeights::new()),
         }
     }

@@ -109,7 +109,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn build(args: &Args, input: &Input, console: &Console) -> Result<SceneChain> {
-    let weights = args.simplify.weights(input)?;
+    let weights = args.simplify.weights(input, console)?;
     if input.scene.stand_ins().contains(&true) {
         console.warn("the model has levels of detail already; new ones take their place");
     }

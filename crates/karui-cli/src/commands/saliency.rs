@@ -36,7 +36,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     input::output_format(&args.output)?;
     let mut input = input::read(&args.input, console)?;
     input.require_triangles()?;
-    let values = saliency::of_scene(args.kind, &input)?;
+    let values = saliency::of_scene(args.kind, &input, console)?;
     let all: Vec<f32> = values.iter().flatten().copied().collect();
     for (mesh, values) in input.scene.meshes.iter_mut().zip(values) {
         let attributes = &mut mesh.mesh.attributes;

@@ -109,7 +109,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<SceneChain> {
-    let weights = args.simplify.weights(input)?;
+    let weights = args.simplify.weights(input, console)?;
     let progress = console.progress();
     let options = LodOptions {
         levels: Levels::Stops(vec![stop]),

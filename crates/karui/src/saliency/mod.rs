@@ -9,6 +9,7 @@
 
 mod curvature;
 mod gauss;
+mod hybrid;
 mod image;
 mod mesh;
 mod quantile;
@@ -17,6 +18,7 @@ mod views;
 mod weight;
 
 pub use curvature::{Curvature, curvature};
+pub use hybrid::{Class, Hybrid, HybridOptions, hybrid};
 pub use image::{ImageSaliency, ImageSaliencyOptions, SaliencyMap, image_saliency};
 pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
 pub use views::{MultiView, MultiViewOptions, Unseen, ViewLights, Views, multi_view};
