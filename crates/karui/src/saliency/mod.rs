@@ -19,7 +19,7 @@ mod weight;
 
 pub use curvature::{Curvature, curvature};
 pub use hybrid::{Class, Hybrid, HybridOptions, hybrid};
-pub use image::{ImageSaliency, ImageSaliencyOptions, SaliencyMap, image_saliency};
+pub use image::{ImageSaliency, ImageSaliencyOptions, Opponency, SaliencyMap, image_saliency};
 pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
 pub use views::{MultiView, MultiViewOptions, Unseen, ViewLights, Views, multi_view};
 pub use weight::WeightMap;

@@ -17,6 +17,19 @@ const LEVELS: usize = 9;
 /// Level of the pyramid that maps are added at.
 const MAP_LEVEL: u32 = 4;
 
+/// How colours of a place and of its surroundings are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Opponency {
+    /// `|RG(c) - RG(s)|` with `RG = R - G`, as intensity and orientation are, and
+    /// likewise for `BY`: a red disc among green ones stands out.
+    #[default]
+    Difference,
+    /// As printed by Itti, Koch and Niebur (1998, equations 2 and 3):
+    /// `|(R(c) - G(c)) - (G(s) - R(s))|`, which is `|RG(c) + RG(s)|`: a colour counts
+    /// more among its own kind, and a red disc among green ones does not stand out.
+    Printed,
+}
+
 /// How much each part of image saliency counts; 1/3 each by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageSaliencyOptions {
@@ -26,6 +39,8 @@ pub struct ImageSaliencyOptions {
     pub color: f32,
     /// Factor to N of the orientation map, zero or more.
     pub orientation: f32,
+    /// How colours are compared; by their difference by default.
+    pub opponency: Opponency,
 }
 
 impl Default for ImageSaliencyOptions {
@@ -35,6 +50,7 @@ impl Default for ImageSaliencyOptions {
             intensity: third,
             color: third,
             orientation: third,
+            opponency: Opponency::default(),
         }
     }
 }
@@ -111,8 +127,13 @@ impl ImageSaliency {
         }
         channels::channels(picture, &mut self.full);
         let [intensity, rg, by] = [0, 1, 2].map(|k| pyramid(&self.full[k]));
-        let mut color = across_scales(&rg, |c, s| (c + s).abs());
-        color.add(&across_scales(&by, |c, s| (c + s).abs()));
+        let sign = match self.options.opponency {
+            Opponency::Difference => -1.0,
+            Opponency::Printed => 1.0,
+        };
+        let opposed = |c: f32, s: f32| (c + sign * s).abs();
+        let mut color = across_scales(&rg, opposed);
+        color.add(&across_scales(&by, opposed));
         let parts = [
             (
                 across_scales(&intensity, |c, s| (c - s).abs()),
