@@ -100,12 +100,13 @@ pub fn hybrid(
         least(mesh, options.large_mesh),
     );
     let always = least(&views.minimum, options.large_minimum);
-    let never = quantile(&views.maximum, options.small_maximum);
+    let dull: Vec<f32> = views.maximum.iter().map(|m| -m).collect();
+    let never = least(&dull, options.small_maximum);
     let class = |v: usize| match () {
         () if curvature[v] > bent => (Class::Curvature, curvature[v]),
         () if mesh[v] > odd => (Class::Mesh, mesh[v]),
         () if views.minimum[v] > always => (Class::AlwaysSeen, views.minimum[v]),
-        () if views.maximum[v] < never => (Class::NeverSeen, views.maximum[v]),
+        () if dull[v] > never => (Class::NeverSeen, views.maximum[v]),
         () => (Class::Between, 0.5 * (views.mean[v] + mesh[v])),
     };
     let (classes, mut values): (Vec<Class>, Vec<f32>) = (0..mesh.len()).map(class).unzip();
