@@ -145,7 +145,14 @@ fn levels_between_are_as_good_as_runs_to_them() {
                 let level = replay.level().unwrap();
                 let direct = logged(&mesh, quality, stop).0.mesh;
                 let (got, wanted) = (level.mesh.triangles.len(), direct.triangles.len());
-                assert!(got.abs_diff(wanted) <= 2, "{name} {got} {wanted}");
+                let target = (ratio * mesh.triangles.len() as f64) as usize;
+                assert!(got.abs_diff(target) <= 2, "{name} {got} {target}");
+                // What turned over is repaired at the end, by collapses beyond the target.
+                let beyond = (target / 200).max(2);
+                assert!(
+                    target.abs_diff(wanted) <= beyond,
+                    "{name} {target} {wanted}"
+                );
                 let (got, wanted) = (rms(&mesh, &level.mesh), rms(&mesh, &direct));
                 println!("{name} {quality:?} {ratio}: {:.3}", got / wanted);
                 let most = match quality {

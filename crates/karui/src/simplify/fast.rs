@@ -6,13 +6,13 @@ use super::options::{
 };
 use super::output::{Left, assemble};
 use super::points::{Points, points};
-use super::rounds::{Guard, Level, Pace, Rules, Values, run};
+use super::rounds::{Input, Level, Pace, Rules, Values, run};
 use super::signal::Signal;
 use super::wedges::Normals;
 use super::{attach, blend::blend, exact::Target, target};
 use crate::error::Result;
 use crate::mesh::{Attributes, TriMesh};
-use crate::spatial::{Bvh, Facings};
+use crate::spatial::Bvh;
 use rayon::prelude::*;
 
 /// As [`super::simplify_chain`], in rounds; none if the options or the mesh
@@ -46,20 +46,11 @@ pub(super) fn simplify_chain(
     } else {
         mesh.attributes.gathered(&points.wedge_vertex)
     };
-    let wants_index = options.quality == Quality::Balanced || points.normals == Normals::LookedUp;
-    let index = match wants_index && !level.triangle.is_empty() {
-        true => Some(Bvh::build_quick(mesh)?),
-        false => None,
+    let input = Input::new(mesh, scale, options.quality == Quality::Balanced);
+    let index = match points.normals {
+        Normals::LookedUp => input.index()?,
+        _ => None,
     };
-    let guarded = index.as_ref();
-    let guarded = guarded.filter(|_| options.quality == Quality::Balanced);
-    let facings = guarded.map(Facings::of);
-    let guard = guarded.zip(facings.as_ref());
-    let guard = guard.map(|(index, facings)| Guard {
-        index,
-        facings,
-        scale,
-    });
     let pace = Pace { share };
     let mut done = (0, 0.0f64);
     let mut topology = TopologyChanges::default();
@@ -71,7 +62,7 @@ pub(super) fn simplify_chain(
             ..target
         };
         let rules = rules(options, scaled);
-        let mut ran = run(level, scaled, pace, rules, guard, options.progress)?;
+        let mut ran = run(level, scaled, pace, rules, &input, options.progress)?;
         add_copies(&mut attributes, &mut ran.level);
         for change in std::mem::take(&mut ran.level.log) {
             blend(&mut attributes, change.wedge, &change.mix);
@@ -88,7 +79,7 @@ pub(super) fn simplify_chain(
                 mesh,
                 &ran.level,
                 (&attributes, ran.level.wedges),
-                (points.normals, index.as_ref(), scale),
+                (points.normals, index, scale),
             ),
             error: done.1,
             stopped: ran.stopped,

@@ -19,6 +19,29 @@ struct After {
 }
 
 impl Guard<'_> {
+    /// Whether a triangle, in scaled units, that has come from one of the
+    /// input's, opposes the input: [`opposes`](Self::opposes), sooner.
+    pub fn finds_against(&self, corners: [Vec3; 3], source: u32) -> bool {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        self.is_against(&self.seen(corners, normal, source))
+    }
+
+    /// A triangle in scaled units that has come from one of the input's.
+    fn seen(&self, corners: [Vec3; 3], normal: Vec3, source: u32) -> After {
+        let corners = corners.map(|p| p / self.scale);
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let slot = self.facings.slot_of(source);
+        let [there, ..] = self.index.corners(slot);
+        After {
+            corners,
+            center,
+            normal,
+            slot,
+            reach: center.distance(there.as_vec3()),
+        }
+    }
+
     /// Whether a triangle faces away from the input's triangle nearest to its
     /// centre.
     fn is_against(&self, after: &After) -> bool {
@@ -34,8 +57,24 @@ impl Guard<'_> {
 }
 
 impl Block {
-    /// Whether one of the triangles that change comes to oppose the input.
-    pub fn turns_against(&self, offer: &Offer, guard: Guard<'_>) -> bool {
+    /// Whether one of the triangles that change comes to oppose the input, as
+    /// far as the guard looks. Without one, what is unclear does, and a guard
+    /// is asked for.
+    pub fn turns_against(&mut self, offer: &Offer, guard: Option<Guard<'_>>) -> bool {
+        let doubtful = &self.fan.doubtful;
+        match guard {
+            Some(guard) if guard.all => self.fan_against(offer, guard),
+            Some(guard) => doubtful
+                .iter()
+                .any(|&i| self.comes_against(offer, i, guard)),
+            None => {
+                self.asks |= self.fan.unclear;
+                self.fan.unclear
+            }
+        }
+    }
+
+    fn fan_against(&self, offer: &Offer, guard: Guard<'_>) -> bool {
         let place = offer.place / guard.scale;
         let (mut radius, mut normals) = (0.0f32, Normals::NONE);
         for i in 0..self.fan.sides.len() {
@@ -47,24 +86,22 @@ impl Block {
         if guard.agrees(place, radius, normals) {
             return false;
         }
-        (0..self.fan.sides.len()).any(|i| {
-            guard.is_against(&self.triangle_after(offer, i, guard))
-                && !guard.opposes(self.corners(self.fan.sides[i].t))
-        })
+        (0..self.fan.sides.len()).any(|i| self.comes_against(offer, i, guard))
+    }
+
+    /// Whether a triangle opposes the input after a collapse, but not before.
+    fn comes_against(&self, offer: &Offer, i: usize, guard: Guard<'_>) -> bool {
+        guard.is_against(&self.triangle_after(offer, i, guard))
+            && !guard.opposes(self.corners(self.fan.sides[i].t))
     }
 
     fn triangle_after(&self, offer: &Offer, i: usize, guard: Guard<'_>) -> After {
         let (side, root) = (self.fan.sides[i], self.fan.roots[i]);
-        let corners = self.after(offer, side).map(|p| p / guard.scale);
-        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let slot = guard.facings.slot_of(self.source[side.t as usize]);
-        let [there, ..] = guard.index.corners(slot);
-        After {
-            corners,
-            center,
-            normal: root.truncate() / root.w,
-            slot,
-            reach: center.distance(there.as_vec3()),
-        }
+        let normal = root.truncate() / root.w;
+        guard.seen(
+            self.after(offer, side),
+            normal,
+            self.source[side.t as usize],
+        )
     }
 }

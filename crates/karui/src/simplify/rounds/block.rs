@@ -105,6 +105,8 @@ pub(super) struct Block {
     /// The collapses, if asked for.
     pub notes: Vec<Note>,
     pub error: f32,
+    /// Whether a collapse was unclear and there was no guard to ask.
+    pub asks: bool,
     /// What was refused in the last round.
     pub refused: Refused,
     /// Ids of the points in the level.
@@ -174,6 +176,7 @@ impl Block {
             collapses: 0,
             notes: Vec::new(),
             error: 0.0,
+            asks: false,
             refused: Default::default(),
             rules,
             triangle,

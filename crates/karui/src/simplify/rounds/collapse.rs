@@ -23,7 +23,7 @@ impl Block {
         if error > self.rules.max_error {
             return Err(Refusal::Error);
         }
-        if guard.is_some_and(|guard| self.turns_against(offer, guard)) {
+        if self.turns_against(offer, guard) {
             return Err(Refusal::Flips);
         }
         self.error = self.error.max(error);

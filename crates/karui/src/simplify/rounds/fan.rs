@@ -39,6 +39,11 @@ pub(super) struct Fan {
     pub first: usize,
     /// Those that go, and their third corners.
     pub edge: Vec<(u32, u32)>,
+    /// Those of them that are thin or were, by number: how they turn says
+    /// little.
+    pub doubtful: Vec<usize>,
+    /// Whether one of these does not plainly face as the input does.
+    pub unclear: bool,
     /// New roots of those that stay.
     pub roots: Vec<Vec4>,
 }
@@ -108,9 +113,12 @@ impl Block {
     /// in the fan.
     pub fn check_turns(&mut self, offer: &Offer) -> Result<(), Refusal> {
         let facing = self.facing[offer.kept as usize] + self.facing[offer.removed as usize];
-        let facing = facing_of(facing);
+        let sum = facing;
+        let facing = facing_of(sum);
         let place = V::splat(offer.place);
         self.fan.roots.clear();
+        self.fan.doubtful.clear();
+        self.fan.unclear = false;
         for (i, four) in self.fan.sides.chunks(4).enumerate() {
             let sides: [Side; 4] = std::array::from_fn(|k| four[k.min(four.len() - 1)]);
             let star = |p: u32| &self.star[p as usize];
@@ -121,6 +129,15 @@ impl Block {
                 || (turn.is_thin() && self.gets_thinner(offer, 4 * i, &turn))
             {
                 return Err(Refusal::Flips);
+            }
+            let mut doubtful = turn.doubtful() & ((1 << four.len()) - 1);
+            if doubtful != 0 {
+                self.fan.unclear |= doubtful & turn.unclear(sum) != 0;
+            }
+            while doubtful != 0 {
+                let at = 4 * i + doubtful.trailing_zeros() as usize;
+                self.fan.doubtful.push(at);
+                doubtful &= doubtful - 1;
             }
             self.fan.roots.extend(&turn.roots()[..four.len()]);
         }
@@ -170,11 +187,32 @@ impl lanes::Turn {
         (turned & (outward.cmpge(self.length * FACING) | smaller | steady)).all()
     }
 
+    /// Which are thin or were.
+    #[inline(always)]
+    fn doubtful(&self) -> u32 {
+        let least = self.length.min(self.old_root * self.old_root * 2.0);
+        least.cmple(self.longest * DOUBTFUL).bitmask()
+    }
+
+    /// Which do not plainly face as the input does, by its area normals and
+    /// areas.
+    #[inline(always)]
+    fn unclear(&self, facing: Vec4) -> u32 {
+        let outward = self.normal.dot(V::splat(facing.truncate()));
+        outward.cmplt(self.length * (PLAIN * facing.w)).bitmask()
+    }
+
     #[inline(always)]
     fn is_thin(&self) -> bool {
         self.length.cmple(self.longest * THIN).any()
     }
 }
+
+/// A triangle thinner than this is doubtful.
+const DOUBTFUL: f32 = 0.1;
+/// Least cosine between the normal of such a triangle and the input's normals,
+/// times the share of these that agree, for it to face plainly as they do.
+const PLAIN: f32 = 0.0;
 
 /// The direction in which the input faces, of a sum of area normals and areas;
 /// none where they cancel out: on a shell whose two sides have become one,

@@ -1,9 +1,9 @@
 //! Cures for a triangle that opposes the input where no collapse of an edge
 //! is one: swapping an edge, or moving a corner.
 
-use super::block::{Block, DEAD, Kind, others, range, root_of};
+use super::block::{Block, Kind, others, range, root_of};
 use super::fan::THIN;
-use super::repair::Guard;
+use super::repair::{Guard, Patient};
 use super::star::Star;
 use crate::simplify::blend::Mix;
 use glam::{Vec3, Vec4};
@@ -29,14 +29,14 @@ type Changes = SmallVec<[(u32, [Vec3; 3]); 12]>;
 impl Block {
     /// Does what leaves the fewest triangles around `t` that oppose the input,
     /// if those are fewer than now; returns the triangles that have changed.
-    pub(super) fn mend(&mut self, t: u32, guard: Guard<'_>) -> Vec<u32> {
+    pub(super) fn mend(&mut self, t: u32, patient: &Patient<'_>) -> Vec<u32> {
         let mut best: Option<(i32, Cure)> = None;
-        for cure in self.cures(t, guard) {
+        for cure in self.cures(t, patient.guard) {
             let changes = self.changes(cure);
-            if !self.keeps_shapes(&changes, guard) {
+            if !self.keeps_shapes(&changes, patient) {
                 continue;
             }
-            let gain = self.gain(&changes, guard);
+            let gain = self.gain(&changes, patient);
             if gain > best.map_or(0, |b| b.0) && self.is_allowed(cure) {
                 best = Some((gain, cure));
             }
@@ -135,7 +135,7 @@ impl Block {
 
     /// Whether none becomes thin that was not, nor turns far that faces as the
     /// input does.
-    fn keeps_shapes(&self, changes: &Changes, guard: Guard<'_>) -> bool {
+    fn keeps_shapes(&self, changes: &Changes, patient: &Patient<'_>) -> bool {
         let before = changes.iter().map(|c| shape(self.corners(c.0)));
         let thinnest = before.fold(THIN, f32::min);
         let thin = |corners: [Vec3; 3]| {
@@ -147,14 +147,14 @@ impl Block {
             let (old, new) = (normal(self.corners(t)), normal(corners));
             let turn = old.dot(new);
             let steady = turn >= self.rules.least_turn * old.length() * new.length();
-            !thin(corners) && (steady || guard.opposes(self.corners(t)))
+            !thin(corners) && (steady || patient.opposes(t))
         })
     }
 
     /// How many triangles fewer would oppose the input.
-    fn gain(&self, changes: &Changes, guard: Guard<'_>) -> i32 {
+    fn gain(&self, changes: &Changes, patient: &Patient<'_>) -> i32 {
         let gain = |&(t, corners): &(u32, [Vec3; 3])| {
-            i32::from(guard.opposes(self.corners(t))) - i32::from(guard.opposes(corners))
+            i32::from(patient.opposes(t)) - i32::from(patient.would_oppose(self, t, corners))
         };
         changes.iter().map(gain).sum()
     }
@@ -296,19 +296,14 @@ impl Block {
         self.list.extend_from_within(own);
         self.list.push(t);
     }
-
-    /// Whether the triangle is still there and opposes the input.
-    pub(super) fn is_bad(&self, t: u32, guard: Guard<'_>) -> bool {
-        self.triangle[t as usize][0] != DEAD && guard.opposes(self.corners(t))
-    }
 }
 
-fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+pub(super) fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a)
 }
 
 /// 1 for a right angle with equal sides, 0 for no area.
-fn shape([a, b, c]: [Vec3; 3]) -> f32 {
+pub(super) fn shape([a, b, c]: [Vec3; 3]) -> f32 {
     let sides = Vec4::new(
         a.distance_squared(b),
         b.distance_squared(c),
@@ -353,12 +348,13 @@ mod tests {
             index,
             facings,
             scale: 1.0,
+            all: true,
         }
     }
 
     fn bad(block: &Block, guard: Guard<'_>) -> Vec<u32> {
         let all = 0..block.triangle.len() as u32;
-        all.filter(|&t| block.is_bad(t, guard)).collect()
+        all.filter(|&t| guard.opposes(block.corners(t))).collect()
     }
 
     /// Points of the block by the triangles that its list has for them.
@@ -390,7 +386,8 @@ mod tests {
         let guard = guard(&index, &facings);
         let mut block = block(&dart(false), false);
         assert_eq!(bad(&block, guard), [1]);
-        assert_eq!(block.mend(1, guard).len(), 2);
+        let patient = Patient::new(&block, guard, &[1]);
+        assert_eq!(block.mend(1, &patient).len(), 2);
         assert_eq!(bad(&block, guard), []);
         let mut sorted = block.triangle.clone();
         sorted.iter_mut().for_each(|t| t.sort_unstable());
@@ -411,7 +408,8 @@ mod tests {
         let guard = guard(&index, &facings);
         let mut block = block(&dart(false), true);
         assert_eq!(bad(&block, guard), [1]);
-        assert_eq!(block.mend(1, guard), []);
+        let patient = Patient::new(&block, guard, &[1]);
+        assert_eq!(block.mend(1, &patient), []);
     }
 
     #[test]
@@ -427,9 +425,11 @@ mod tests {
         let mut block = block(&moved, false);
         let before = bad(&block, guard);
         assert!(!before.is_empty());
-        for t in before.iter().chain(&before) {
-            if block.is_bad(*t, guard) {
-                block.mend(*t, guard);
+        let mut patient = Patient::new(&block, guard, &before);
+        for &t in before.iter().chain(&before) {
+            if patient.opposes(t) {
+                let changed = block.mend(t, &patient);
+                patient.look_again(&block, &changed);
             }
         }
         assert_eq!(bad(&block, guard), []);

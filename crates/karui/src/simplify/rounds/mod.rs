@@ -12,6 +12,7 @@ mod block;
 mod collapse;
 mod fan;
 mod feature;
+mod input;
 mod lanes;
 mod level;
 mod mend;
@@ -26,14 +27,15 @@ mod repeat;
 mod round;
 mod star;
 mod stream;
+mod suspects;
 mod sym3;
 mod topology;
 
 pub(crate) use block::Rules;
+pub(crate) use input::Input;
 pub(crate) use level::Level;
 pub(crate) use paint::Values;
 pub(crate) use record::{Collapse, Place};
-pub(crate) use repair::Guard;
 pub(crate) use repeat::Repeat;
 
 use super::exact::Target;
@@ -44,7 +46,7 @@ use crate::progress::{Progress, step};
 use block::Block;
 use partition::Cut;
 use rayon::prelude::*;
-use repair::repair;
+use repair::Guard;
 use round::{BINS, upper_end};
 use topology::Limits;
 
@@ -87,6 +89,7 @@ pub(crate) struct Ran<'a> {
 struct Run<'a> {
     target: Target,
     pace: Pace,
+    input: &'a Input<'a>,
     guard: Option<Guard<'a>>,
     progress: &'a dyn Progress,
     start: usize,
@@ -105,17 +108,31 @@ struct Run<'a> {
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled).
 pub(crate) fn run<'a>(
+    level: Level<'a>,
+    target: Target,
+    pace: Pace,
+    rules: Rules,
+    input: &Input<'_>,
+    progress: &dyn Progress,
+) -> Result<Ran<'a>> {
+    let mut ran = collapse(level, target, pace, rules, input, progress)?;
+    ran.level = input.repaired(ran.level, rules)?;
+    Ok(ran)
+}
+
+fn collapse<'a>(
     mut level: Level<'a>,
     target: Target,
     pace: Pace,
     rules: Rules,
-    guard: Option<Guard<'_>>,
+    input: &Input<'_>,
     progress: &dyn Progress,
 ) -> Result<Ran<'a>> {
     let mut run = Run {
         target,
         pace,
-        guard,
+        guard: input.guard()?,
+        input,
         progress,
         start: level.triangle.len(),
         error: 0.0,
@@ -146,9 +163,6 @@ pub(crate) fn run<'a>(
             idle = 0;
         }
     }
-    if let Some(guard) = guard {
-        level = repair(level, rules, guard);
-    }
     Ok(Ran {
         error: run.error,
         collapses: run.collapses,
@@ -173,7 +187,11 @@ impl Run<'_> {
     fn guard_at(&self, alive: usize) -> Option<Guard<'_>> {
         let target = self.target.triangles;
         let near = alive <= FEW_LEFT.max(target.saturating_mul(GUARDED));
-        self.guard.filter(|_| near || target == 0)
+        let near = near || target == 0;
+        self.guard.map(|guard| Guard {
+            all: guard.all && near,
+            ..guard
+        })
     }
 
     /// Rounds over these blocks until the target is met, the phase's share is
@@ -195,6 +213,9 @@ impl Run<'_> {
                 break;
             };
             steps.push(round);
+            if self.guard.is_none() && blocks.iter().any(|b| b.asks) {
+                self.guard = self.input.guard_if_asked()?;
+            }
             self.paid = self.paid.max(upper_end(round.bin));
             if self.eases && dear > 0.0 && self.paid > dear {
                 break;

@@ -70,7 +70,7 @@ impl Run<'_> {
 
     /// The rounds of the phase over some blocks of a surface of `all`
     /// triangles.
-    fn sample_phase(&self, blocks: &mut [Block], all: usize) -> Result<Vec<Step>> {
+    fn sample_phase(&mut self, blocks: &mut [Block], all: usize) -> Result<Vec<Step>> {
         let start = blocks.iter().map(|b| b.alive).sum::<usize>();
         let share = start as f64 / all as f64;
         let mut part = Run {
@@ -82,7 +82,9 @@ impl Run<'_> {
             start,
             ..*self
         };
-        part.phase(blocks)
+        let steps = part.phase(blocks)?;
+        self.guard = part.guard;
+        Ok(steps)
     }
 
     /// Joins blocks that are done; returns how many triangles are gone.
