@@ -14,10 +14,19 @@ const VIRIDIS: [Vec3; 5] = [
 /// Linear RGBA for a share of 0 (dark) to 1 (bright), for the colour-blind and
 /// for grey print too.
 pub fn color(share: f32) -> Vec4 {
+    srgb(share).map(linear).extend(1.0)
+}
+
+/// sRGB codes for shares from 0 to 1 in equal steps.
+pub fn table() -> [[u8; 3]; 256] {
+    let code = |i: usize| srgb(i as f32 / 255.0) * 255.0;
+    std::array::from_fn(|i| code(i).to_array().map(|c| c.round() as u8))
+}
+
+fn srgb(share: f32) -> Vec3 {
     let at = share.clamp(0.0, 1.0) * 4.0;
     let below = (at as usize).min(3);
-    let srgb = VIRIDIS[below].lerp(VIRIDIS[below + 1], at - below as f32);
-    srgb.map(linear).extend(1.0)
+    VIRIDIS[below].lerp(VIRIDIS[below + 1], at - below as f32)
 }
 
 /// IEC 61966-2-1.

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod console;
 mod explain;
+mod eye;
 mod failure;
 mod heat;
 mod input;
@@ -14,6 +15,7 @@ mod reference;
 mod saliency;
 mod sheet;
 mod table;
+mod text;
 mod textures;
 mod weights;
 

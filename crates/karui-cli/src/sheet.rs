@@ -1,9 +1,8 @@
 //! Pictures side by side, each with a line of text below.
 
-use font8x8::legacy::BASIC_LEGACY;
+use crate::text::{self, GLYPH, ink_on};
 use karui::render::Picture;
 
-const GLYPH: u32 = 8;
 /// Most tiles in a row.
 const COLUMNS: u32 = 4;
 
@@ -61,28 +60,9 @@ impl Layout {
     fn write(&self, sheet: &mut Picture, text: &str, (left, top): (u32, u32), ink: [u8; 4]) {
         let advance = GLYPH * self.dot;
         let room = (self.tile.0 / advance) as usize;
-        let text: Vec<char> = text.chars().take(room).collect();
-        let start = left + (self.tile.0 - text.len() as u32 * advance) / 2;
-        for (i, &c) in (0..).zip(&text) {
-            let at = (start + i * advance, top);
-            self.glyph(sheet, c, at, ink);
-        }
-    }
-
-    fn glyph(&self, sheet: &mut Picture, c: char, (left, top): (u32, u32), ink: [u8; 4]) {
-        let unknown = BASIC_LEGACY['?' as usize];
-        let rows = BASIC_LEGACY.get(c as usize).copied().unwrap_or(unknown);
-        let side = GLYPH * self.dot;
-        let (width, height) = (sheet.width(), sheet.height());
-        for y in 0..side {
-            for x in 0..side {
-                let on = rows[(y / self.dot) as usize] >> (x / self.dot) & 1 == 1;
-                let (x, y) = (left + x, top + y);
-                if on && x < width && y < height {
-                    sheet.pixels_mut()[y as usize * width as usize + x as usize] = ink;
-                }
-            }
-        }
+        let text: String = text.chars().take(room).collect();
+        let start = left + (self.tile.0 - text::width(&text, self.dot)) / 2;
+        text::write(sheet, &text, (start, top), self.dot, ink);
     }
 }
 
@@ -92,16 +72,6 @@ fn paste(sheet: &mut Picture, tile: &Picture, left: u32, top: u32) {
     for (y, row) in (top as usize..).zip(rows) {
         let start = y * wide + left as usize;
         sheet.pixels_mut()[start..start + width].copy_from_slice(row);
-    }
-}
-
-/// Black or white, whichever is told better from the background; black where
-/// one sees through it.
-fn ink_on([r, g, b, a]: [u8; 4]) -> [u8; 4] {
-    let light = 2 * u32::from(r) + 5 * u32::from(g) + u32::from(b);
-    match a >= 128 && light < 8 * 128 {
-        true => [255; 4],
-        false => [0, 0, 0, 255],
     }
 }
 

@@ -102,7 +102,7 @@ const SHAPING: [&str; 14] = [
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum QualityArg {
-    /// Fewest rounds, no look back at the input
+    /// Fewest rounds, looks back at the input where it has to
     Fast,
     /// More rounds, checked against the input near the target
     Balanced,

@@ -63,7 +63,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let [a, b] = [&args.a, &args.b].map(|path| mesh(path, console));
     let (a, b) = (a?, b?);
-    let distance = measure(&a, &b, args, console)?;
+    let distance = distance(&a, &b, (args.samples, args.seed), console)?;
     if let Some(map) = &args.map {
         let scene = Scene::from_mesh(error_map(a, &b)?);
         output::write_one(map, &scene, &karui_io::WriteOptions::default())?;
@@ -74,7 +74,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     args.limits.check(&distance)
 }
 
-fn mesh(path: &Path, console: &Console) -> Result<TriMesh> {
+/// All that a model shows, in place.
+pub(super) fn mesh(path: &Path, console: &Console) -> Result<TriMesh> {
     let input: Input = input::read(path, console)?;
     input.require_triangles()?;
     let mesh = input.scene.into_single_mesh()?;
@@ -86,11 +87,17 @@ fn mesh(path: &Path, console: &Console) -> Result<TriMesh> {
     Ok(mesh)
 }
 
-fn measure(a: &TriMesh, b: &TriMesh, args: &Args, console: &Console) -> Result<SurfaceDistance> {
+/// The distance, from so many samples of either kind a direction, placed by a seed.
+pub(super) fn distance(
+    a: &TriMesh,
+    b: &TriMesh,
+    (samples, seed): (u64, u64),
+    console: &Console,
+) -> Result<SurfaceDistance> {
     let progress = console.progress();
     let options = SurfaceDistanceOptions {
-        samples: Samples::Count(args.samples),
-        seed: args.seed,
+        samples: Samples::Count(samples),
+        seed,
         progress: &*progress,
         ..SurfaceDistanceOptions::default()
     };
@@ -113,7 +120,8 @@ fn error_map(mut a: TriMesh, b: &TriMesh) -> Result<TriMesh> {
     Ok(a)
 }
 
-fn text(distance: &SurfaceDistance) -> String {
+/// A table of the distances both ways and together.
+pub(super) fn text(distance: &SurfaceDistance) -> String {
     let row = |name: &str, [max, mean, rms]: [f64; 3], samples: u64| {
         vec![
             name.to_owned(),

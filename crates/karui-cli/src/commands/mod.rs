@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod bench;
+mod compare;
 mod completions;
 mod convert;
 mod info;
@@ -26,6 +27,7 @@ pub enum Command {
     Saliency(saliency::Args),
     Info(info::Args),
     Measure(measure::Args),
+    Compare(compare::Args),
     Validate(validate::Args),
     Render(render::Args),
     Convert(convert::Args),
@@ -43,6 +45,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Saliency(args) => saliency::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
+        Command::Compare(args) => compare::run(&args, console),
         Command::Validate(args) => validate::run(&args, console),
         Command::Render(args) => render::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),

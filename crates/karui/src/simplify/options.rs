@@ -163,12 +163,12 @@ impl Stop {
 /// vertex pairs are only had as by [`Quality::Exact`], whatever is asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// Few rounds of many collapses, no look back at the input: fastest.
-    /// Triangles may oppose the input's nearest to them.
+    /// Few rounds of many collapses: fastest. Looks back at the input where a
+    /// triangle may have turned over, and mends those that have where an edge
+    /// collapse, a swap or a moved corner can.
     Fast,
     /// More rounds; near the target every collapse is checked against the
-    /// input, and triangles that oppose it all the same are mended at the end
-    /// where an edge collapse, a swap or a moved corner can.
+    /// input, at the end every triangle, and mended likewise.
     #[default]
     Balanced,
     /// Strictly the cheapest collapse next, every price renewed after each,

@@ -5,6 +5,7 @@ mod clock;
 mod models;
 mod one;
 mod page;
+mod saliency;
 mod simplify;
 
 use crate::console::Console;
@@ -22,6 +23,7 @@ pub struct Args {
 enum What {
     Models(models::Args),
     Simplify(simplify::Args),
+    Saliency(saliency::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
@@ -32,6 +34,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     match &args.what {
         What::Models(args) => models::run(args, console),
         What::Simplify(args) => simplify::run(args, console),
+        What::Saliency(args) => saliency::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),
