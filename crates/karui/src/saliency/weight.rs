@@ -14,6 +14,16 @@ pub enum WeightMap {
         /// Weight of what is most salient.
         most: f32,
     },
+    /// As `Linear`, but along a power of the saliency: what is but half salient weighs
+    /// little more than `least`, so that triangles go where it matters.
+    Power {
+        /// Weight of what is not salient; above 0.
+        least: f32,
+        /// Weight of what is most salient.
+        most: f32,
+        /// The exponent, 1 or more.
+        power: u32,
+    },
     /// `factor` times the saliency from a percentile on, the saliency itself below it
     /// (Lee, Varshney & Jacobs 2005, 5.1: 100 from the 30th percentile on), never under
     /// `least`.
@@ -59,6 +69,10 @@ impl WeightMap {
         let each = saliency.iter();
         Ok(match *self {
             Self::Linear { least, most } => each.map(|s| least + (most - least) * s).collect(),
+            Self::Power { least, most, power } => {
+                let raised = |s: &f32| (0..power).fold(1.0, |all, _| all * s);
+                each.map(|s| least + (most - least) * raised(s)).collect()
+            }
             Self::Amplified {
                 percentile,
                 factor,
@@ -74,7 +88,7 @@ impl WeightMap {
     fn check(&self) -> Result<()> {
         let above_zero = |value: f32| value > 0.0 && value.is_finite();
         let (weights, percentile) = match *self {
-            Self::Linear { least, most } => ([least, most], 0.0),
+            Self::Linear { least, most } | Self::Power { least, most, .. } => ([least, most], 0.0),
             Self::Amplified {
                 percentile,
                 factor,
@@ -89,8 +103,13 @@ impl WeightMap {
                 expected,
             })
         };
+        let power = match *self {
+            Self::Power { power, .. } => power,
+            _ => 1,
+        };
         match weights.into_iter().find(|w| !above_zero(*w)) {
             Some(weight) => bad("weight", weight, "above 0"),
+            None if !(1..=64).contains(&power) => bad("power", power as f32, "1 to 64"),
             None if !(0.0..=1.0).contains(&percentile) => bad("percentile", percentile, "0 to 1"),
             None => Ok(()),
         }
@@ -100,6 +119,17 @@ impl WeightMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_power_keeps_the_middle_low() {
+        let map = |power| WeightMap::Power {
+            least: 1.0,
+            most: 17.0,
+            power,
+        };
+        assert_eq!(map(4).weights(&[0.0, 0.5, 1.0]), Ok(vec![1.0, 2.0, 17.0]));
+        assert!(map(0).weights(&[0.5]).is_err() && map(65).weights(&[0.5]).is_err());
+    }
 
     #[test]
     fn a_line_from_least_to_most() {

@@ -44,6 +44,9 @@ pub struct Args {
     /// How much more the most salient vertices count than the least
     #[arg(long, value_name = "X", value_delimiter = ',', default_values_t = [10.0])]
     most: Vec<f32>,
+    /// Powers of the saliency that the weights follow
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [3])]
+    power: Vec<u32>,
     /// Directions that pictures are compared from
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     views: u32,
@@ -59,6 +62,14 @@ pub struct Args {
 const SALIENT: f64 = 0.2;
 /// Samples of a surface.
 const SAMPLES: u64 = 200_000;
+
+impl Args {
+    /// All largest weights with all powers.
+    fn maps(&self) -> impl Iterator<Item = (f32, u32)> {
+        let with_all = |&most: &f32| self.power.iter().map(move |&power| (most, power));
+        self.most.iter().flat_map(with_all)
+    }
+}
 
 /// Runs every model, one after the other.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
@@ -151,12 +162,16 @@ impl Trial {
             }
             rows.push(self.judge("plain".into(), triangles, &[])?);
             for (kind, values) in &self.saliency {
-                for &most in &args.most {
+                for (most, power) in args.maps() {
                     check_cancelled()?;
-                    let map = WeightMap::Linear { least: 1.0, most };
+                    let map = WeightMap::Power {
+                        least: 1.0,
+                        most,
+                        power,
+                    };
                     let weights = values.iter().map(|v| map.weights(v).map(Some));
                     let weights = weights.collect::<karui::Result<Vec<_>>>()?;
-                    let method = format!("{} x{most}", kind.name());
+                    let method = format!("{} x{most} ^{power}", kind.name());
                     rows.push(self.judge(method, triangles, &weights)?);
                 }
             }
