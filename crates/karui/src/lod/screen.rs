@@ -53,7 +53,7 @@ impl Screen {
     }
 
     /// Half the screen's height at distance 1.
-    fn half_height(&self) -> f64 {
+    pub(super) fn half_height(&self) -> f64 {
         (0.5 * self.fov_y).tan()
     }
 
