@@ -1,9 +1,11 @@
 //! The command line as a whole; each command's own options are in its file.
 
+mod metric;
 mod picture;
 mod screen;
 mod simplify;
 
+pub use metric::MetricArgs;
 pub use picture::PictureArgs;
 pub use screen::ScreenArgs;
 pub use simplify::SimplifyArgs;

@@ -3,24 +3,28 @@
 mod plan;
 mod report;
 
-use crate::args::{ScreenArgs, SimplifyArgs, WriteArgs};
+use crate::args::{MetricArgs, ScreenArgs, SimplifyArgs, WriteArgs};
 use crate::console::Console;
 use crate::explain;
 use crate::input::{self, Input};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, seconds};
+use crate::textures;
 use anyhow::Result;
-use karui::lod::{Levels, LodOptions, SceneChain, chain_scene, to_msft_lod};
+use karui::lod::{
+    Levels, LodOptions, Reached, SceneChain, SeenOptions, chain_scene, chain_seen, to_msft_lod,
+};
 use karui_io::WriteOptions;
 use plan::Plan;
-use report::Report;
+use report::{Judged, Report};
 use std::path::{Path, PathBuf};
 
 /// Make a chain of levels of detail, with measured errors
 ///
 /// Every level is simplified from the original and its true distance to it is measured, in both
 /// directions. The switch distance is how far the eye has to be away for the largest error to
-/// look no larger than the pixel tolerance.
+/// look no larger than the pixel tolerance; with --metric flip, for pictures of the level and of
+/// the original to differ no more than a bound.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The model
@@ -37,6 +41,8 @@ pub struct Args {
     format: plan::LevelFormat,
     #[command(flatten)]
     levels: LevelArgs,
+    #[command(flatten)]
+    metric: MetricArgs,
     #[command(flatten)]
     screen: ScreenArgs,
     #[command(flatten)]
@@ -93,18 +99,23 @@ impl LevelArgs {
 
 /// Reads, builds the chain, writes everything, then tells.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let seen = args.metric.resolve()?;
     let plan = Plan::new(&args.output, args.separate, args.format)?;
     let input = input::read(&args.input, console)?;
     input.require_triangles()?;
     // Find out before the work, not after it, that nothing can be written.
     drop(plan.stage()?);
-    let chain = build(args, &input, console)?;
+    let mut chain = build(args, &input, console)?;
+    let judged = seen.map(|options| look(&input, &mut chain, options, console));
+    let judged = judged.transpose()?;
     let options = args.write.resolve();
-    let (report, files) = write(&plan, &input, &chain, &options, args, console)?;
+    let report = Report::new(&input, &chain, args.samples, judged.as_ref());
+    let (report, files) = write(&plan, &input, &chain, &options, report, console)?;
     console.summary(&report.table())?;
     console.document(&report)?;
     tell_clustered(&chain, console);
     tell_dropped(&input, &chain, console);
+    tell_unlike(judged.as_ref(), console);
     console.summary(&last_line(&report, &files, console))
 }
 
@@ -128,17 +139,38 @@ fn build(args: &Args, input: &Input, console: &Console) -> Result<SceneChain> {
     Ok(chain_scene(&input.scene, &options)?)
 }
 
+/// Lets pictures decide from where on levels may be shown.
+fn look(
+    input: &Input,
+    chain: &mut SceneChain,
+    options: SeenOptions<'_>,
+    console: &Console,
+) -> Result<Judged> {
+    let images = textures::decode(input, console);
+    let progress = console.progress();
+    let options = SeenOptions {
+        screen: chain.screen,
+        progress: &*progress,
+        ..options
+    };
+    Ok(Judged {
+        levels: chain_seen(&input.scene, &images, chain, &options)?,
+        bound: options.bound,
+        views: options.views,
+        samples: options.samples,
+    })
+}
+
 /// Writes all files or none.
 fn write(
     plan: &Plan,
     input: &Input,
     chain: &SceneChain,
     options: &WriteOptions,
-    args: &Args,
+    mut report: Report,
     console: &Console,
 ) -> Result<(Report, Vec<PathBuf>)> {
     let staged = plan.stage()?;
-    let mut report = Report::new(input, chain, args.samples);
     // Levels that are not kept as files are written all the same, for their
     // size, to a place that vanishes.
     let scratch = tempfile::tempdir()?;
@@ -204,6 +236,21 @@ fn tell_dropped(input: &Input, chain: &SceneChain, console: &Console) {
             "{} more levels are left out; see the report",
             lines.len() - TOLD
         ));
+    }
+}
+
+/// Levels that look different from however far away.
+fn tell_unlike(judged: Option<&Judged>, console: &Console) {
+    let Some(judged) = judged else { return };
+    for (level, seen) in (1..).zip(&judged.levels) {
+        if seen.reached == Reached::Never {
+            console.warn(&format!(
+                "level {level}: FLIP is {} even {} away, where the search ends; the bound is {}",
+                number(seen.flip),
+                number(seen.distance),
+                number(judged.bound),
+            ));
+        }
     }
 }
 

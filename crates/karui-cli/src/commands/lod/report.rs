@@ -3,7 +3,7 @@
 use crate::explain;
 use crate::input::Input;
 use crate::table::{bytes, count, number, percent, table};
-use karui::lod::{DroppedLevel, LodChain, LodLevel, SceneChain};
+use karui::lod::{DroppedLevel, LodChain, LodLevel, Reached, SceneChain, Seen};
 use karui::simplify::Stop;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -18,6 +18,9 @@ pub struct Report {
     diagonal: f64,
     screen: ScreenReport,
     samples: u64,
+    /// How pictures decided; absent if surfaces did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flip: Option<FlipReport>,
     /// The file with all levels.
     pub combined: Option<String>,
     /// Its size, with the files it refers to.
@@ -32,6 +35,27 @@ struct ScreenReport {
     height_px: f64,
     fov_y_degrees: f64,
     tolerance_px: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FlipReport {
+    /// Largest mean FLIP asked for.
+    bound: f64,
+    views: u32,
+    /// Along each side of a pixel.
+    samples_per_side: u32,
+}
+
+/// What pictures of the levels said.
+pub struct Judged {
+    /// Every level but the original.
+    pub levels: Vec<Seen>,
+    /// Largest mean FLIP asked for.
+    pub bound: f64,
+    /// Directions looked from.
+    pub views: u32,
+    /// Samples along each side of a pixel.
+    pub samples: u32,
 }
 
 /// The whole model at one level.
@@ -50,6 +74,14 @@ pub struct Row {
     /// As shares of the diagonal.
     relative_error: Error,
     switch_distance: f64,
+    /// What the switch distance is by: `surface` or `flip`.
+    metric: &'static str,
+    /// Mean FLIP at the switch distance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flip: Option<f64>,
+    /// Whether that keeps the bound; if not, the distance is where the search ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound_kept: Option<bool>,
 }
 
 /// Distances between a level and the original.
@@ -119,7 +151,7 @@ struct Asked {
 
 impl Report {
     /// Everything but names and sizes of files.
-    pub fn new(input: &Input, chain: &SceneChain, samples: u64) -> Self {
+    pub fn new(input: &Input, chain: &SceneChain, samples: u64, judged: Option<&Judged>) -> Self {
         let meshes = input.scene.meshes.iter().zip(&chain.chains);
         Self {
             karui: env!("CARGO_PKG_VERSION"),
@@ -132,10 +164,15 @@ impl Report {
                 tolerance_px: chain.screen.tolerance_px,
             },
             samples,
+            flip: judged.map(|j| FlipReport {
+                bound: j.bound,
+                views: j.views,
+                samples_per_side: j.samples,
+            }),
             combined: None,
             combined_bytes: None,
             levels: (0..chain.level_count())
-                .map(|level| row(input, chain, level))
+                .map(|level| row(input, chain, level, judged))
                 .collect(),
             meshes: meshes
                 .map(|(named, chain)| MeshReport {
@@ -155,7 +192,7 @@ impl Report {
     /// For people.
     pub fn table(&self) -> String {
         let row = |row: &Row| {
-            vec![
+            let mut cells = vec![
                 row.level.to_string(),
                 count(row.triangles),
                 count(row.vertices),
@@ -166,10 +203,12 @@ impl Report {
                 percent(row.relative_error.max),
                 percent(row.relative_error.rms),
                 number(row.switch_distance),
-            ]
+            ];
+            cells.extend(row.flip.map(number));
+            cells
         };
         let rows: Vec<_> = self.levels.iter().map(row).collect();
-        let header = [
+        let mut header = vec![
             "level",
             "triangles",
             "vertices",
@@ -181,6 +220,7 @@ impl Report {
             "RMS/diag.",
             "shown beyond",
         ];
+        header.extend(self.flip.is_some().then_some("FLIP there"));
         table(&header, &rows, false)
     }
 }
@@ -189,7 +229,7 @@ fn of_chain<T>(chain: &Option<LodChain>, list: impl Fn(&LodChain) -> Vec<T>) -> 
     chain.as_ref().map(list).unwrap_or_default()
 }
 
-fn row(input: &Input, chain: &SceneChain, level: usize) -> Row {
+fn row(input: &Input, chain: &SceneChain, level: usize, judged: Option<&Judged>) -> Row {
     let summary = chain.summary(&input.scene, level);
     let error = |unit: f64| Error {
         max: summary.max / unit,
@@ -202,6 +242,8 @@ fn row(input: &Input, chain: &SceneChain, level: usize) -> Row {
     } else {
         1.0
     };
+    // Of the original, nothing differs.
+    let seen = judged.map(|j| level.checked_sub(1).and_then(|l| j.levels.get(l)));
     Row {
         level,
         file: None,
@@ -211,6 +253,9 @@ fn row(input: &Input, chain: &SceneChain, level: usize) -> Row {
         error: error(1.0),
         relative_error: error(diagonal),
         switch_distance: summary.switch_distance,
+        metric: if judged.is_some() { "flip" } else { "surface" },
+        flip: seen.map(|s| s.map_or(0.0, |s| s.flip)),
+        bound_kept: seen.map(|s| s.is_none_or(|s| s.reached != Reached::Never)),
     }
 }
 
