@@ -1,7 +1,7 @@
 //! Saliency of every vertex from the shape alone.
 
 use super::curvature;
-use super::gauss;
+use super::gauss::Tree;
 use super::stars::Stars;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
@@ -104,10 +104,9 @@ impl Default for MeshSaliencyOptions {
 /// maximum 1. Vertices at one position are one point. Vertices of no triangle
 /// take no part and have 0, and so has everything if nothing stands out.
 ///
-/// The sums are within 1 % of the maximum of the plain ones, and take a time
-/// proportional to the number of points however dense they lie. Suppression
-/// can make more of it (2.5 % on a dense lattice), as it counts every small
-/// maximum. Same bits for any number of threads.
+/// It is within 1 % of the maximum of the plain sums over all pairs of points, and takes
+/// a time that hardly grows faster than the number of points. Same bits for any number of
+/// threads.
 ///
 /// # Errors
 /// [`Error::BadOption`], [`Error::IndexOutOfRange`], [`Error::TooLarge`], and
@@ -138,7 +137,6 @@ struct Samples {
     /// Mean curvature as a part of `largest`.
     bends: Vec<f64>,
     largest: f64,
-    origin: DVec3,
     diagonal: f64,
 }
 
@@ -165,7 +163,6 @@ impl Samples {
             places,
             bends,
             largest,
-            origin,
             diagonal: origin.distance(end),
         }
     }
@@ -182,11 +179,9 @@ impl Samples {
         let mut widths: Vec<f64> = widths.collect();
         widths.sort_by(f64::total_cmp);
         widths.dedup();
-        let means = widths.iter().map(|w| {
-            let width = w * options.epsilon * self.diagonal;
-            gauss::means(&self.places, &self.bends, self.origin, width)
-        });
-        let means: Vec<Vec<f64>> = means.collect();
+        let tree = Tree::new(&self.places, &self.bends, self.diagonal);
+        let unit = options.epsilon * self.diagonal;
+        let means: Vec<Vec<f64>> = widths.iter().map(|w| tree.means(w * unit)).collect();
         let of_width = |w: f64| &means[widths.partition_point(|x| *x < w)];
         let scales = options.scales.iter();
         scales
