@@ -20,7 +20,7 @@ const LANES: usize = 8;
 const WIDEST: f32 = 0.4;
 /// Narrowest node that the cut divides, in widths; of a narrower one the share inside
 /// is taken from how far its samples lie apart.
-const NARROWEST: f32 = 1.0 / 24.0;
+const NARROWEST: f32 = 0.15;
 /// Samples for which building a tree is worth a task.
 const TASK: usize = 4096;
 
@@ -157,7 +157,8 @@ impl Tree {
                 _ if home.gap_squared(node) > outside => skip,
                 _ if narrow && whole => sums.add_whole(node, skip),
                 _ if narrow => sums.add_share(node, skip),
-                Some(leaf) => sums.add_each(&self.leaves[leaf as usize], skip),
+                Some(leaf) if whole => sums.add_each::<true>(&self.leaves[leaf as usize], skip),
+                Some(leaf) => sums.add_each::<false>(&self.leaves[leaf as usize], skip),
                 None => at + 1,
             };
         }
@@ -283,7 +284,7 @@ impl Gathered {
 /// on the machine.
 struct Sums<'a> {
     home: &'a Leaf,
-    /// Of the width.
+    /// By the width squared.
     inverse: f32,
     sums: [f32; LANES],
     weights: [f32; LANES],
@@ -293,57 +294,59 @@ impl<'a> Sums<'a> {
     fn at(home: &'a Leaf, width: f32) -> Self {
         Self {
             home,
-            inverse: width.recip(),
+            inverse: (width * width).recip(),
             sums: [0.0; LANES],
             weights: [0.0; LANES],
         }
     }
 
-    /// From lane `l` to `place`, in widths.
+    /// Sample by sample, those within the cut; all are if the leaf is `WHOLE`.
     #[inline]
-    fn way(&self, l: usize, place: Vec3) -> [f32; 3] {
-        [0, 1, 2].map(|k| (place[k] - self.home.place[k][l]) * self.inverse)
-    }
-
-    fn add_each(&mut self, leaf: &Leaf, skip: usize) -> usize {
+    fn add_each<const WHOLE: bool>(&mut self, leaf: &Leaf, skip: usize) -> usize {
+        let [x, y, z] = self.home.place;
+        let (mut sums, mut weights) = (self.sums, self.weights);
         for s in 0..leaf.filled {
-            let place = Vec3::from(leaf.place.map(|p| p[s]));
+            let [at, up, off] = leaf.place.map(|p| p[s]);
+            let value = leaf.value[s];
             for l in 0..LANES {
-                let squared = square(self.way(l, place));
-                let inside = f32::from(u8::from(squared < CUT_SQUARED));
-                let weight = gaussian(squared.min(CUT_SQUARED)) * inside;
-                self.sums[l] += leaf.value[s] * weight;
-                self.weights[l] += weight;
+                let squared = square([at - x[l], up - y[l], off - z[l]]) * self.inverse;
+                let weight = match WHOLE {
+                    true => gaussian(squared),
+                    false => cut(squared, gaussian(squared.min(CUT_SQUARED))),
+                };
+                sums[l] += value * weight;
+                weights[l] += weight;
             }
         }
+        (self.sums, self.weights) = (sums, weights);
         skip
     }
 
     fn add_whole(&mut self, node: &Node, skip: usize) -> usize {
-        let moment = node.moment * self.inverse;
-        for l in 0..LANES {
-            let way = self.way(l, node.centroid);
-            let weight = gaussian(square(way));
-            let sum = node.sum - (way[0] * moment.x + way[1] * moment.y + way[2] * moment.z);
-            self.sums[l] += sum * weight;
-            self.weights[l] += node.count * weight;
-        }
+        self.add_node(node, |_| 1.0);
         skip
     }
 
     fn add_share(&mut self, node: &Node, skip: usize) -> usize {
+        let breadth = node.breadth * self.inverse.sqrt();
+        let slope = 0.5 / CUT as f32 / breadth.max(1e-6);
+        let inside = |squared: f32| ((CUT_SQUARED - squared) * slope + 0.5).clamp(0.0, 1.0);
+        self.add_node(node, inside);
+        skip
+    }
+
+    #[inline]
+    fn add_node(&mut self, node: &Node, inside: impl Fn(f32) -> f32) {
         let moment = node.moment * self.inverse;
-        let sharpness = (node.breadth * self.inverse).max(1e-6).recip();
+        let [x, y, z] = self.home.place;
         for l in 0..LANES {
-            let way = self.way(l, node.centroid);
-            let squared = square(way);
-            let inside = (CUT_SQUARED - squared) * (0.5 / CUT as f32) * sharpness + 0.5;
-            let weight = gaussian(squared.min(2.0 * CUT_SQUARED)) * inside.clamp(0.0, 1.0);
-            let sum = node.sum - (way[0] * moment.x + way[1] * moment.y + way[2] * moment.z);
+            let way = node.centroid - Vec3::new(x[l], y[l], z[l]);
+            let squared = square(way.into()) * self.inverse;
+            let weight = gaussian(squared.min(2.0 * CUT_SQUARED)) * inside(squared);
+            let sum = node.sum - (way.x * moment.x + way.y * moment.y + way.z * moment.z);
             self.sums[l] += sum * weight;
             self.weights[l] += node.count * weight;
         }
-        skip
     }
 
     fn means(&self) -> [f32; LANES] {
@@ -357,19 +360,25 @@ impl<'a> Sums<'a> {
 
 const CUT_SQUARED: f32 = (CUT * CUT) as f32;
 
+/// The weight if inside, else 0; without a branch, for the vector unit.
+#[inline]
+fn cut(squared: f32, weight: f32) -> f32 {
+    let mask = u32::from(squared < CUT_SQUARED).wrapping_neg();
+    f32::from_bits(weight.to_bits() & mask)
+}
+
 #[inline]
 fn square([x, y, z]: [f32; 3]) -> f32 {
     x * x + y * y + z * z
 }
 
-/// `exp(-squared / 2)` to 1e-4 of itself up to the cut: the eighth power of a series,
-/// without libm.
+/// `exp(-squared / 2)` to 1e-4 of itself up to the cut and a little beyond: the eighth
+/// power of a cubic, which meets the exponential at four places, without libm.
 #[inline]
 fn gaussian(squared: f32) -> f32 {
     let y = squared * -0.0625;
-    let series = 0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0));
-    let series = 1.0 + y * (1.0 + y * series);
-    let square = series * series;
+    let cubic = 0.999_998_87 + y * (0.999_852_4 + y * (0.497_022_4 + y * 0.147_197_77));
+    let square = cubic * cubic;
     let fourth = square * square;
     fourth * fourth
 }
