@@ -156,3 +156,125 @@ fn bad_factors_are_refused() {
     };
     assert!(image_saliency(&Picture::default(), &options).is_err());
 }
+
+/// Values by row and column.
+type Rows = Vec<Vec<f64>>;
+
+/// The next level by its definition: every pixel of it is a sum over all pixels, each
+/// counted as often as the taps 1 3 3 1 along both axes fall on it, borders repeated.
+fn next_level(from: &Rows) -> Rows {
+    let count = |to: usize, at: usize, size: usize| -> f64 {
+        let taps = [(-1, 1.0), (0, 3.0), (1, 3.0), (2, 1.0)];
+        let place = |k: i64| (2 * to as i64 + k).clamp(0, size as i64 - 1) as usize;
+        let hits = taps.iter().filter(|(k, _)| place(*k) == at);
+        hits.map(|(_, weight)| weight / 8.0).sum()
+    };
+    let (height, width) = (from.len(), from[0].len());
+    let pixel = |y: usize, x: usize| -> f64 {
+        let all = (0..height).flat_map(|v| (0..width).map(move |u| (v, u)));
+        let part = |(v, u): (usize, usize)| count(y, v, height) * count(x, u, width) * from[v][u];
+        all.map(part).sum()
+    };
+    let row = |y| (0..width.div_ceil(2)).map(|x| pixel(y, x)).collect();
+    (0..height.div_ceil(2)).map(row).collect()
+}
+
+/// Bilinear between centres of a level that is `shift` coarser.
+fn between_centres(level: &Rows, shift: usize, y: usize, x: usize) -> f64 {
+    let place = |at: usize, size: usize| {
+        let at = (at as f64 + 0.5) / (1 << shift) as f64 - 0.5;
+        at.clamp(0.0, size as f64 - 1.0)
+    };
+    let (v, u) = (place(y, level.len()), place(x, level[0].len()));
+    let mut sum = 0.0;
+    for (j, row) in level.iter().enumerate() {
+        for (i, value) in row.iter().enumerate() {
+            let tent = |d: f64| (1.0 - d.abs()).max(0.0);
+            sum += tent(v - j as f64) * tent(u - i as f64) * value;
+        }
+    }
+    sum
+}
+
+fn plain_n(map: &mut Rows) {
+    let all = || map.iter().flatten().copied();
+    let (low, high) = (
+        all().fold(f64::MAX, f64::min),
+        all().fold(f64::MIN, f64::max),
+    );
+    let share = |v: f64| (v - low) / (high - low);
+    let scaled: Rows = map
+        .iter()
+        .map(|r| r.iter().map(|v| share(*v)).collect())
+        .collect();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (y, row) in scaled.iter().enumerate() {
+        for (x, value) in row.iter().enumerate() {
+            let near = |v: usize, u: usize| v.abs_diff(y) <= 1 && u.abs_diff(x) <= 1;
+            let above = scaled.iter().enumerate().all(|(v, r)| {
+                let mut others = r.iter().enumerate();
+                others.all(|(u, o)| !near(v, u) || (v, u) == (y, x) || o < value)
+            });
+            if above && *value < 1.0 {
+                sum += value;
+                count += 1.0;
+            }
+        }
+    }
+    let m: f64 = if count > 0.0 { sum / count } else { 0.0 };
+    *map = scaled;
+    map.iter_mut()
+        .flatten()
+        .for_each(|v| *v *= (1.0 - m).powi(2));
+}
+
+/// Sum of N of all centre-surround differences, at level 4.
+fn plain_map(channel: &Rows) -> Rows {
+    let mut levels = vec![channel.clone()];
+    for s in 0..8 {
+        levels.push(next_level(&levels[s]));
+    }
+    let mut total = vec![vec![0.0; levels[4][0].len()]; levels[4].len()];
+    for (c, s) in [(2, 5), (2, 6), (3, 6), (3, 7), (4, 7), (4, 8)] {
+        let mut map = levels[c].clone();
+        for (y, row) in map.iter_mut().enumerate() {
+            for (x, value) in row.iter_mut().enumerate() {
+                *value = (*value - between_centres(&levels[s], s - c, y, x)).abs();
+            }
+        }
+        plain_n(&mut map);
+        for _ in c..4 {
+            map = next_level(&map);
+        }
+        let pairs = total.iter_mut().flatten().zip(map.iter().flatten());
+        pairs.for_each(|(t, m)| *t += m);
+    }
+    total
+}
+
+#[test]
+fn intensity_is_that_of_the_plain_definition() {
+    let grey = |x: f32, y: f32| {
+        let code = (x as u32 / 3 * 7919 + y as u32 / 2 * 104_729).wrapping_mul(2_654_435_761) >> 25;
+        let spot = (x - 40.0).hypot(y - 20.0) < 6.0;
+        code as u8 + if spot { 120 } else { 0 }
+    };
+    let picture = drawn(64, 64, |x, y| [grey(x, y), grey(x, y), grey(x, y), 255]);
+    let value = |y: usize, x: usize| f64::from(grey(x as f32 + 0.5, y as f32 + 0.5)) / 255.0;
+    let channel = (0..64)
+        .map(|y| (0..64).map(|x| value(y, x)).collect())
+        .collect();
+    let mut expected = plain_map(&channel);
+    plain_n(&mut expected);
+    let most = expected.iter().flatten().copied().fold(0.0, f64::max);
+    let options = ImageSaliencyOptions {
+        color: 0.0,
+        orientation: 0.0,
+        ..ImageSaliencyOptions::default()
+    };
+    let found = image_saliency(&picture, &options).expect("options");
+    assert_eq!(found.values.len(), 16);
+    for (a, b) in found.values.iter().zip(expected.iter().flatten()) {
+        assert!((f64::from(*a) - b / most).abs() < 1e-3, "{a}, {}", b / most);
+    }
+}

@@ -1,9 +1,12 @@
 //! Image saliency brought back to vertices.
 
+use karui::geom::Vec2;
 use karui::geom::{Vec3, Vec4};
-use karui::mesh::shapes;
+use karui::mesh::{Image, ImageData, Material, MaterialRange, Scene, Texture, TextureRef};
+use karui::mesh::{Wrap, shapes};
 use karui::progress::Progress;
-use karui::render::Model;
+use karui::render::{Model, Picture};
+use karui::saliency::{MeshSaliencyOptions, mesh_saliency};
 use karui::saliency::{MultiView, MultiViewOptions, Unseen, Views, multi_view};
 use karui::{Error, Silent, TriMesh};
 
@@ -152,4 +155,79 @@ fn views_may_be_cancelled_and_must_be_there() {
         ..MultiViewOptions::default()
     };
     assert!(multi_view(&model, &none, &Silent).is_err());
+}
+
+/// A flat strip with one texture: even grey, and a chequered patch within 0.1 of u = 0.7,
+/// v = 0.5.
+fn strip() -> (Scene, Picture) {
+    let mut mesh = shapes::grid(60, 20);
+    let uv = |p: &Vec3| Vec2::new(p.x, p.z);
+    mesh.attributes.uvs = vec![mesh.positions.iter().map(uv).collect()];
+    mesh.positions.iter_mut().for_each(|p| p.x *= 3.0);
+    mesh.ranges = vec![MaterialRange {
+        count: mesh.triangles.len() as u32,
+        material: Some(0),
+        ..MaterialRange::default()
+    }];
+    let mut scene = Scene::from_mesh(mesh);
+    scene.materials = vec![Material {
+        base_color_texture: Some(TextureRef {
+            texture: 0,
+            uv_set: 0,
+            transform: None,
+        }),
+        double_sided: true,
+        ..Material::default()
+    }];
+    scene.textures = vec![Texture {
+        image: Some(0),
+        wrap: [Wrap::Clamp; 2],
+        nearest: false,
+    }];
+    scene.images = vec![Image {
+        name: None,
+        mime: String::new(),
+        data: ImageData::Missing { uri: String::new() },
+    }];
+    let texel = |k: u32| {
+        let [x, y] = [k % 192, k / 192];
+        let chequered = is_chequered(Vec2::new(x as f32 / 192.0, y as f32 / 64.0));
+        match (chequered, (x / 6 + y / 6) % 2) {
+            (false, _) => [110, 110, 110, 255],
+            (true, 0) => [240, 230, 60, 255],
+            (true, _) => [20, 20, 120, 255],
+        }
+    };
+    let picture = Picture::new(192, 64, (0..192 * 64).map(texel).collect()).expect("all texels");
+    (scene, picture)
+}
+
+fn is_chequered(uv: Vec2) -> bool {
+    (uv.x - 0.7).abs() < 0.1 && (uv.y - 0.5).abs() < 0.3
+}
+
+#[test]
+fn views_see_a_texture_where_the_shape_says_nothing() {
+    let (scene, picture) = strip();
+    let mesh = &scene.meshes[0].mesh;
+    let shape = mesh_saliency(mesh, &MeshSaliencyOptions::default()).expect("a mesh");
+    assert!(shape.iter().all(|s| *s == 0.0));
+    let options = MultiViewOptions {
+        views: Views::Directions(vec![Vec3::Y, Vec3::new(0.2, 1.0, 0.1), Vec3::NEG_Y]),
+        ..MultiViewOptions::default()
+    };
+    let images = [Some(picture)];
+    let found = multi_view(&Model::of_scene(&scene, &images), &options, &Silent).expect("views");
+    let mean = |inside: bool| {
+        // Ends of the strip are outlines, which stand out from what is behind them.
+        let uvs = mesh.attributes.uvs[0].iter().zip(&found[0].mean);
+        let within = |uv: Vec2| (0.1..0.9).contains(&uv.x) && (0.2..0.8).contains(&uv.y);
+        let values: Vec<f32> = uvs
+            .filter(|(uv, _)| within(**uv) && is_chequered(**uv) == inside)
+            .map(|(_, value)| *value)
+            .collect();
+        values.iter().sum::<f32>() / values.len() as f32
+    };
+    let (patch, rest) = (mean(true), mean(false));
+    assert!(patch > 2.0 * rest, "{patch}, {rest} elsewhere");
 }

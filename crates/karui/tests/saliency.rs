@@ -6,7 +6,8 @@ use glam::Vec3;
 use karui::Error;
 use karui::mesh::PositionIds;
 use karui::mesh::{TriMesh, shapes};
-use karui::saliency::{Curvature, MeshSaliencyOptions, Suppression, curvature, mesh_saliency};
+use karui::saliency::{Curvature, CurvatureOptions, Estimator, curvature, curvature_sizes};
+use karui::saliency::{MeshSaliencyOptions, Suppression, curvature_with, mesh_saliency};
 use rayon::prelude::*;
 
 fn scaled(mut mesh: TriMesh, by: f32) -> TriMesh {
@@ -34,16 +35,10 @@ fn spheres_bend_by_one_over_their_radius() {
         ];
         for mesh in spheres.map(of).iter().chain([&of(shapes::icosphere(5))]) {
             let all = curvature(mesh).unwrap();
-            // Stars of an icosphere are lopsided, and no finer one is less so.
-            let tolerance = if mesh.positions.len() == 10_242 {
-                0.04
-            } else {
-                0.02
-            };
             for (c, p) in all.iter().zip(&mesh.positions).filter(|c| is_midway(*c.1)) {
                 let r = f64::from(radius);
-                assert_near(c.k1 * r, 1.0, tolerance, "k1");
-                assert_near(c.k2 * r, 1.0, tolerance, "k2");
+                assert_near(c.k1 * r, 1.0, 0.02, "k1");
+                assert_near(c.k2 * r, 1.0, 0.02, "k2");
                 assert!(c.directions.iter().all(|d| d.dot(*p).abs() < 0.02 * radius));
             }
         }
@@ -79,6 +74,67 @@ fn a_cylinder_bends_one_way() {
         signs += c.mean().signum();
     }
     assert!(f64::abs(signs) > 1000.0, "{signs}");
+}
+
+/// k1 and k2 by Taubin's own formula and by the corrected one.
+fn both(mesh: &TriMesh) -> [Vec<[f64; 2]>; 2] {
+    [Estimator::Taubin1995, Estimator::Corrected].map(|estimator| {
+        let all = curvature_with(mesh, &CurvatureOptions { estimator }).unwrap();
+        all.iter().map(|c| [c.k1, c.k2]).collect()
+    })
+}
+
+#[test]
+fn taubin_s_own_form_is_right_on_average_and_off_where_directions_are_not_even() {
+    let sphere = shapes::uv_sphere(96, 192);
+    let [plain, corrected] = both(&sphere);
+    for (v, p) in sphere.positions.iter().enumerate() {
+        if is_midway(*p) && p.x.abs() > 0.1 {
+            let [k1, k2] = plain[v];
+            assert_near((k1 + k2) / 2.0, 1.0, 0.02, "mean");
+            // Quads split by diagonals have no even directions.
+            assert!(k1 > 1.3 && k2 < 0.7, "{k1} {k2}");
+            assert_near(corrected[v][0], 1.0, 0.02, "k1");
+            assert_near(corrected[v][1], 1.0, 0.02, "k2");
+        }
+    }
+    // Stars of nearly even directions.
+    let [plain, corrected] = both(&shapes::icosphere(5));
+    for (p, c) in plain.iter().zip(&corrected) {
+        for k in 0..2 {
+            assert_near(p[k], 1.0, 0.35, "plain");
+            assert_near(c[k], 1.0, 0.001, "corrected");
+        }
+    }
+    let tube = cylinder(2.0, 64, 64);
+    let [plain, corrected] = both(&tube);
+    for (v, p) in tube.positions.iter().enumerate() {
+        if p.y > 0.5 && p.y < 11.5 && p.z.abs() > 0.2 {
+            let size = |[a, b]: [f64; 2]| a.abs().max(b.abs());
+            assert_near(size(corrected[v]), 0.5, 0.01, "corrected around");
+            let mean = f64::abs(plain[v][0] + plain[v][1]) / 2.0;
+            assert_near(mean, 0.25, 0.005, "plain mean");
+        }
+    }
+    for k in both(&shapes::grid(9, 7)).iter().flatten().flatten() {
+        assert_eq!(k.abs(), 0.0);
+    }
+}
+
+#[test]
+fn sizes_of_curvature_are_shares_of_what_is_no_spike() {
+    let of = |mean: f64| Curvature {
+        k1: mean,
+        k2: mean,
+        directions: [Vec3::X, Vec3::Y],
+    };
+    let mut found: Vec<Curvature> = (0..200).map(|i| of(-f64::from(i) / 100.0)).collect();
+    found.push(of(1e6));
+    let sizes = curvature_sizes(&found);
+    assert_eq!((sizes[0], sizes[200], sizes[199]), (0.0, 1.0, 1.0));
+    assert!((sizes[99] - 0.5).abs() < 1e-6, "{}", sizes[99]);
+    assert_eq!(curvature_sizes(&[of(0.0); 3]), [0.0; 3]);
+    assert!(curvature_sizes(&[]).is_empty());
 }
 
 #[test]

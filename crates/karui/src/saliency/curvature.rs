@@ -27,10 +27,30 @@ impl Curvature {
     }
 }
 
+/// How the tensor of curvature is made from the edges around a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Estimator {
+    /// Taubin's with the true spread of the directions divided out, and with the normal
+    /// of Max (1999), which is the true one wherever a star lies on a sphere; see
+    /// [`curvature`].
+    #[default]
+    Corrected,
+    /// As published: the area-weighted normal, and `3 m1 - m2` whatever the directions.
+    Taubin1995,
+}
+
+/// How [`curvature_with`] looks at a surface.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CurvatureOptions {
+    /// Default [`Estimator::Corrected`].
+    pub estimator: Estimator,
+}
+
 /// Curvature of every vertex of `mesh` (Taubin 1995), from the triangles
 /// around its position: vertices at one place share theirs, so a seam is no
-/// border. The normal is the area-weighted one of these triangles; the
-/// attribute is not read.
+/// border. The normal is that of these triangles, each weighing as its area by the
+/// squares of its two edges at the vertex (N. Max, 1999), so that a star on a sphere
+/// has the sphere's however lopsided it is; the attribute is not read.
 ///
 /// Along the edge from `v` to `v_j` the surface bends by
 /// `k_j = 2 n.(v - v_j) / |v - v_j|^2`: Taubin's with the sign turned, so that
@@ -52,20 +72,60 @@ impl Curvature {
 /// [`Error::NotFinite`](crate::Error::NotFinite) for a position that is not,
 /// and [`Error::TooLarge`](crate::Error::TooLarge).
 pub fn curvature(mesh: &TriMesh) -> Result<Vec<Curvature>> {
+    curvature_with(mesh, &CurvatureOptions::default())
+}
+
+/// As [`curvature`], with a choice of the estimator.
+///
+/// # Errors
+/// Those of [`curvature`].
+pub fn curvature_with(mesh: &TriMesh, options: &CurvatureOptions) -> Result<Vec<Curvature>> {
     let stars = Stars::of(mesh)?;
-    Ok(stars.spread(&of_points(&stars)))
+    Ok(stars.spread(&of_points(&stars, options.estimator)))
+}
+
+/// Share of the vertices that [`curvature_sizes`] holds for spikes: a few would make
+/// everything else nothing.
+const SPIKES: f64 = 0.01;
+
+/// Size of the mean curvature, 0 to 1, as a share of what 99 % of the vertices stay
+/// under; those above have 1. All are 0 if that is 0, as on a plane.
+#[must_use]
+pub fn curvature_sizes(found: &[Curvature]) -> Vec<f32> {
+    let sizes: Vec<f64> = found.iter().map(|c| c.mean().abs()).collect();
+    let mut sorted = sizes.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let place = ((1.0 - SPIKES) * sorted.len().saturating_sub(1) as f64) as usize;
+    match sorted.get(place) {
+        Some(&most) if most > 0.0 => {
+            let share = |size: f64| (size / most).min(1.0) as f32;
+            sizes.into_iter().map(share).collect()
+        }
+        _ => vec![0.0; found.len()],
+    }
 }
 
 /// Curvature of every point.
-pub(super) fn of_points(stars: &Stars) -> Vec<Curvature> {
-    let count = stars.points.len();
-    (0..count).into_par_iter().map(|p| at(stars, p)).collect()
+pub(super) fn of_points(stars: &Stars, estimator: Estimator) -> Vec<Curvature> {
+    let points = (0..stars.points.len()).into_par_iter();
+    points.map(|p| at(stars, p, estimator)).collect()
 }
 
-fn at(stars: &Stars, p: usize) -> Curvature {
+impl Estimator {
+    /// What a triangle with the edges `a` and `b` at a point adds to its normal.
+    fn normal(self, [a, b]: [DVec3; 2]) -> DVec3 {
+        let area = a.cross(b);
+        match self {
+            Self::Corrected => area / (a.length_squared() * b.length_squared()),
+            Self::Taubin1995 => area,
+        }
+    }
+}
+
+fn at(stars: &Stars, p: usize, estimator: Estimator) -> Curvature {
     let from = stars.points[p];
     let edges = |&[a, b]: &[u32; 2]| [a, b].map(|x| stars.points[x as usize] - from);
-    let sum = |n: DVec3, [a, b]: [DVec3; 2]| n + a.cross(b);
+    let sum = |n: DVec3, edges| n + estimator.normal(edges);
     let around = stars.around(p).iter().map(edges);
     let Some(normal) = around.clone().fold(DVec3::ZERO, sum).try_normalize() else {
         return bent(DVec3::Z, DVec3::ZERO);
@@ -76,7 +136,7 @@ fn at(stars: &Stars, p: usize) -> Curvature {
         fit.add(a, area);
         fit.add(b, area);
     }
-    bent(normal, fit.solve())
+    bent(normal, fit.solve(estimator))
 }
 
 /// `mean + x cos 2a + y sin 2a` fitted to the curvature in the directions `a`.
@@ -119,13 +179,13 @@ impl Fit {
     }
 
     /// Mean, x and y.
-    fn solve(&self) -> DVec3 {
+    fn solve(&self, estimator: Estimator) -> DVec3 {
         if self.weight <= 0.0 {
             return DVec3::ZERO;
         }
         let spread = self.spread * self.weight.recip();
         let found = self.found / self.weight;
-        if spread.determinant() > Self::LEAST {
+        if estimator == Estimator::Corrected && spread.determinant() > Self::LEAST {
             spread.inverse() * found
         } else {
             found * DVec3::new(1.0, 2.0, 2.0)

@@ -1,6 +1,6 @@
 //! Saliency of every vertex from the shape alone.
 
-use super::curvature;
+use super::curvature::{self, Estimator};
 use super::gauss::Tree;
 use super::stars::Stars;
 use crate::error::{Error, Result};
@@ -31,6 +31,8 @@ pub struct MeshSaliencyOptions {
     /// as wide. Default 2, 3, 4, 5, 6. None may be narrower than 1e-5 of the
     /// diagonal.
     pub scales: Vec<f64>,
+    /// How curvature is found. Default [`Estimator::Corrected`].
+    pub estimator: Estimator,
     /// Default [`Suppression::Squared`].
     pub suppression: Suppression,
     /// A scale whose largest difference is below this part of the level of
@@ -51,6 +53,7 @@ impl MeshSaliencyOptions {
         Self {
             epsilon: 0.003,
             scales: vec![2.0, 3.0, 4.0, 5.0, 6.0],
+            estimator: Estimator::Corrected,
             suppression: Suppression::Squared,
             flat: 0.01,
             stretch: true,
@@ -115,7 +118,7 @@ pub fn mesh_saliency(mesh: &TriMesh, options: &MeshSaliencyOptions) -> Result<Ve
     options.check()?;
     let stars = Stars::of(mesh)?;
     let mut total = vec![0.0; stars.points.len()];
-    let samples = Samples::of(&stars);
+    let samples = Samples::of(&stars, options.estimator);
     for scale in samples.differences(options) {
         let factor = options.suppression.factor(&stars, &scale);
         let sum = |(t, s): (&mut f64, &f64)| *t += s * factor;
@@ -141,7 +144,7 @@ struct Samples {
 }
 
 impl Samples {
-    fn of(stars: &Stars) -> Self {
+    fn of(stars: &Stars, estimator: Estimator) -> Self {
         let all = stars.points.len();
         let has_triangle = |&p: &u32| !stars.around(p as usize).is_empty();
         let of_points: Vec<u32> = (0..all as u32).filter(has_triangle).collect();
@@ -150,7 +153,7 @@ impl Samples {
         let origin = places.iter().copied().reduce(DVec3::min);
         let end = places.iter().copied().reduce(DVec3::max);
         let (origin, end) = (origin.unwrap_or_default(), end.unwrap_or_default());
-        let curved = curvature::of_points(stars);
+        let curved = curvature::of_points(stars, estimator);
         let bend = |&p: &u32| curved[p as usize].mean();
         let mut bends: Vec<f64> = of_points.iter().map(bend).collect();
         let largest = bends.iter().fold(0.0, |l: f64, b| l.max(b.abs()));
