@@ -3,12 +3,13 @@
 use crate::console::Console;
 use crate::input::Input;
 use crate::textures;
+use crate::weights::MeshWeights;
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::TriMesh;
 use karui::render::Model;
 use karui::saliency::{self, HybridOptions, MeshSaliencyOptions, MultiView, MultiViewOptions};
-use karui::saliency::{Views, WeightMap};
+use karui::saliency::{Preset, Views, WeightMap};
 
 /// Ways to tell what matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -38,15 +39,49 @@ impl Kind {
     fn of_mesh(self, mesh: &TriMesh, views: Option<&MultiView>) -> Result<Vec<f32>> {
         let of_shape = |mesh| saliency::mesh_saliency(mesh, &MeshSaliencyOptions::default());
         Ok(match (self, views) {
-            (Self::Curvature, _) => bend(mesh)?,
+            (Self::Curvature, _) => sizes(mesh)?,
             (Self::Image, Some(views)) => views.mean.clone(),
             (Self::Hybrid, Some(views)) => {
-                let (bend, shape) = (bend(mesh)?, of_shape(mesh)?);
+                let (bend, shape) = (sizes(mesh)?, of_shape(mesh)?);
                 saliency::hybrid(&bend, &shape, views, &HybridOptions::default())?.values
             }
             _ => of_shape(mesh)?,
         })
     }
+}
+
+/// Published ways, with the options of their papers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PresetArg {
+    /// Hybrid, linear suppression, 614 views that count as 0 where they see nothing (An 2014)
+    Thesis2014,
+    /// Mesh saliency, squared suppression (Lee, Varshney & Jacobs 2005)
+    Lee2005,
+    /// Mean of 614 views, colours compared as printed (Itti, Koch & Niebur 1998)
+    Itti1998,
+}
+
+impl PresetArg {
+    /// As the library knows it.
+    pub fn resolve(self) -> Preset {
+        match self {
+            Self::Thesis2014 => Preset::Thesis2014,
+            Self::Lee2005 => Preset::Lee2005,
+            Self::Itti1998 => Preset::Itti1998,
+        }
+    }
+}
+
+/// Sizes of the mean curvature, 0 to 1.
+fn sizes(mesh: &TriMesh) -> Result<Vec<f32>> {
+    Ok(saliency::curvature_sizes(&saliency::curvature(mesh)?))
+}
+
+/// One value a vertex of every mesh, 0 to 1, as published.
+pub fn of_preset(preset: Preset, input: &Input, console: &Console) -> Result<Vec<Vec<f32>>> {
+    let images = textures::decode(input, console);
+    let model = Model::of_scene(&input.scene, &images);
+    Ok(preset.saliency(&model, &*console.progress())?)
 }
 
 /// One value a vertex of every mesh, 0 to 1; a mesh without triangles has zeros.
@@ -79,37 +114,17 @@ fn look(input: &Input, console: &Console) -> Result<Vec<MultiView>> {
 }
 
 /// Weights for simplification, from 1 to `most`.
-pub fn weights(
-    kind: Kind,
-    most: f32,
-    input: &Input,
-    console: &Console,
-) -> Result<Vec<Option<Vec<f32>>>> {
+pub fn weights(kind: Kind, most: f32, input: &Input, console: &Console) -> Result<MeshWeights> {
     let map = WeightMap::Linear { least: 1.0, most };
-    let of_mesh = |values: Vec<f32>| Ok(Some(map.weights(&values)?));
-    of_scene(kind, input, console)?
-        .into_iter()
-        .map(of_mesh)
-        .collect()
+    mapped(map, of_scene(kind, input, console)?)
 }
 
-/// Share of the vertices whose curvature is the largest there is: a few spikes would
-/// make everything else nothing.
-const SPIKES: f64 = 0.01;
+/// Weights for simplification as published.
+pub fn preset_weights(preset: Preset, input: &Input, console: &Console) -> Result<MeshWeights> {
+    mapped(preset.weights(), of_preset(preset, input, console)?)
+}
 
-/// Size of the mean curvature, as a share of what nearly all vertices stay under.
-fn bend(mesh: &TriMesh) -> Result<Vec<f32>> {
-    let found = saliency::curvature(mesh)?;
-    let mut sizes: Vec<f64> = found.iter().map(|c| c.mean().abs()).collect();
-    let found = sizes.clone();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let most = sizes[((1.0 - SPIKES) * (sizes.len() - 1) as f64) as usize];
-    let share = |size: f64| {
-        if most > 0.0 {
-            (size / most).min(1.0)
-        } else {
-            0.0
-        }
-    };
-    Ok(found.into_iter().map(|c| share(c) as f32).collect())
+fn mapped(map: WeightMap, saliency: Vec<Vec<f32>>) -> Result<MeshWeights> {
+    let of_mesh = |values: Vec<f32>| Ok(Some(map.weights(&values)?));
+    saliency.into_iter().map(of_mesh).collect()
 }

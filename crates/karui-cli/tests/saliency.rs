@@ -81,6 +81,53 @@ fn attributes_made_can_be_given_back() {
 }
 
 #[test]
+fn presets_are_known_by_name() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    folder.scene("tiny.ply", &Scene::from_mesh(shapes::cube(2)));
+    for (preset, model) in [
+        ("lee2005", "bump"),
+        ("itti1998", "tiny"),
+        ("thesis2014", "tiny"),
+    ] {
+        let out = format!("{preset}.ply");
+        let ran = folder.ok(&format!(
+            "saliency {model}.ply -o {out} --preset {preset} --json"
+        ));
+        assert!(ran.out.contains(preset), "{ran:?}");
+        let scene = karui_io::read(folder.path(&out)).unwrap();
+        let found = values(&scene.meshes[0].mesh);
+        assert!(found.iter().all(|v| (0.0..=1.0).contains(v)), "{preset}");
+        assert!(found.iter().any(|v| *v > 0.0), "{preset}");
+    }
+    let lee = karui_io::read(folder.path("lee2005.ply")).unwrap();
+    let mesh = &lee.meshes[0].mesh;
+    let found = values(mesh);
+    let most = (0..found.len()).max_by(|a, b| found[*a].total_cmp(&found[*b]));
+    assert!(near_bump(mesh, most.unwrap()));
+}
+
+#[test]
+fn a_preset_steers_simplification() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    folder.ok("simplify bump.ply -o plain.ply --triangles 2000");
+    folder.ok("simplify bump.ply -o lee.ply --triangles 2000 --saliency-preset lee2005");
+    folder.ok("lod bump.ply -o lods.glb --saliency-preset lee2005");
+    assert_ne!(folder.read("plain.ply"), folder.read("lee.ply"));
+    for wrong in [
+        "saliency bump.ply -o a.ply --preset lee2005 --kind mesh",
+        "saliency bump.ply -o a.ply --preset taste",
+        "simplify bump.ply -o a.ply --ratio 0.5 --saliency-preset lee2005 --saliency mesh",
+        "simplify bump.ply -o a.ply --ratio 0.5 --saliency-preset lee2005 --saliency-weight 5",
+        "lod bump.ply -o a.glb --saliency-preset lee2005 --weights w",
+    ] {
+        folder.fails(2, wrong);
+    }
+    assert!(!folder.path("a.ply").exists() && !folder.path("a.glb").exists());
+}
+
+#[test]
 fn bad_use_is_told_and_nothing_written() {
     let folder = Folder::new();
     folder.scene("bump.ply", &Scene::from_mesh(shapes::cube(1)));

@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::Input;
-use crate::saliency::{self, Kind};
+use crate::saliency::{self, Kind, PresetArg};
 use crate::weights::{self, MeshWeights};
 use anyhow::Result;
 use clap::ValueEnum;
@@ -32,8 +32,17 @@ pub struct SimplifyArgs {
     /// Keep more detail where this says that it matters
     #[arg(long, value_enum, value_name = "KIND", conflicts_with = "weights")]
     saliency: Option<Kind>,
+    /// Keep more detail where a published way says that it matters, with its weights
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["weights", "saliency"])]
+    saliency_preset: Option<PresetArg>,
     /// How many times as much a collapse costs where it matters most; 1 or more
-    #[arg(long, value_name = "X", default_value_t = 10.0, requires = "saliency")]
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 10.0,
+        requires = "saliency",
+        conflicts_with = "saliency_preset"
+    )]
     saliency_weight: f32,
     /// Where new vertices may lie
     #[arg(long, value_enum, default_value_t = PlacementArg::Optimal)]
@@ -83,12 +92,13 @@ pub struct SimplifyArgs {
 }
 
 /// Options that clustering has no use for.
-const SHAPING: [&str; 14] = [
+const SHAPING: [&str; 15] = [
     "quality",
     "border",
     "lock_border",
     "weights",
     "saliency",
+    "saliency_preset",
     "placement",
     "cost",
     "normal_weight",
@@ -180,7 +190,10 @@ impl SimplifyArgs {
                 Err(Failure::input(message).into())
             }
             (_, Some(kind)) => saliency::weights(kind, most, input, console),
-            _ => Ok(MeshWeights::new()),
+            _ => match self.saliency_preset {
+                Some(preset) => saliency::preset_weights(preset.resolve(), input, console),
+                None => Ok(MeshWeights::new()),
+            },
         }
     }
 

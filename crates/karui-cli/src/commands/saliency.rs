@@ -2,7 +2,7 @@
 
 use crate::args::WriteArgs;
 use crate::console::Console;
-use crate::saliency::{self, Kind};
+use crate::saliency::{self, Kind, PresetArg};
 use crate::table::{bytes, count, seconds};
 use crate::{heat, input, output};
 use anyhow::Result;
@@ -24,6 +24,9 @@ pub struct Args {
     /// What tells
     #[arg(long, value_enum, default_value_t = Kind::Mesh)]
     kind: Kind,
+    /// As published, in place of a kind
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with = "kind")]
+    preset: Option<PresetArg>,
     /// Also as vertex colours, in place of the model's: dark blue is 0, yellow is 1
     #[arg(long)]
     colors: bool,
@@ -36,7 +39,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     input::output_format(&args.output)?;
     let mut input = input::read(&args.input, console)?;
     input.require_triangles()?;
-    let values = saliency::of_scene(args.kind, &input, console)?;
+    let preset = args.preset.map(PresetArg::resolve);
+    let values = match preset {
+        Some(preset) => saliency::of_preset(preset, &input, console)?,
+        None => saliency::of_scene(args.kind, &input, console)?,
+    };
+    let name = preset.map_or(args.kind.name(), |p| p.name().to_owned());
     let all: Vec<f32> = values.iter().flatten().copied().collect();
     for (mesh, values) in input.scene.meshes.iter_mut().zip(values) {
         let attributes = &mut mesh.mesh.attributes;
@@ -55,12 +63,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     console.data(&bars(&shares))?;
     console.document(&json!({
         "input": args.input, "output": args.output, "bytes": written.bytes,
-        "kind": args.kind.name(), "vertices": all.len(), "histogram": shares,
+        "kind": name, "vertices": all.len(), "histogram": shares,
     }))?;
     console.summary(&format!(
         "{}: {} saliency of {} vertices, {} in {}",
         args.output.display(),
-        args.kind.name(),
+        name,
         count(all.len()),
         bytes(written.bytes),
         seconds(console.elapsed()),
