@@ -63,7 +63,7 @@ impl Block {
     pub fn turns_against(&mut self, offer: &Offer, guard: Option<Guard<'_>>) -> bool {
         let doubtful = &self.fan.doubtful;
         match guard {
-            Some(guard) if guard.all => self.fan_against(offer, guard),
+            Some(guard) if guard.all => !self.fan.small && self.fan_against(offer, guard),
             Some(guard) => doubtful
                 .iter()
                 .any(|&i| self.comes_against(offer, i, guard)),

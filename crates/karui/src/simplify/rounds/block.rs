@@ -101,6 +101,11 @@ pub(super) struct Block {
     /// Scratch of one collapse.
     pub fan: Fan,
     pub alive: usize,
+    /// Area of all triangles when the block was made.
+    pub area: f32,
+    /// Squared side up to which triangles are small: how they turn is not
+    /// doubted.
+    pub small: f32,
     pub collapses: usize,
     /// The collapses, if asked for.
     pub notes: Vec<Note>,
@@ -173,6 +178,8 @@ impl Block {
             plain: Vec::new(),
             fan: Fan::default(),
             alive: triangle.len(),
+            area: 0.0,
+            small: 0.0,
             collapses: 0,
             notes: Vec::new(),
             error: 0.0,
@@ -242,6 +249,7 @@ impl Block {
             let cross = (b - a).cross(c - a);
             let root = root_of(cross, cross.length());
             self.root.push(root);
+            self.area += root.w * root.w;
             let part = Star::of(root);
             for &p in points {
                 self.star[p as usize] += part;

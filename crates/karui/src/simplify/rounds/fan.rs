@@ -42,6 +42,8 @@ pub(super) struct Fan {
     /// Those of them that are thin or were, by number: how they turn says
     /// little.
     pub doubtful: Vec<usize>,
+    /// Whether all that change are small, as the block has it.
+    pub small: bool,
     /// Whether one of these does not plainly face as the input does.
     pub unclear: bool,
     /// New roots of those that stay.
@@ -119,6 +121,8 @@ impl Block {
         self.fan.roots.clear();
         self.fan.doubtful.clear();
         self.fan.unclear = false;
+        let mut largest = Vec4::ZERO;
+        let small = self.small;
         for (i, four) in self.fan.sides.chunks(4).enumerate() {
             let sides: [Side; 4] = std::array::from_fn(|k| four[k.min(four.len() - 1)]);
             let star = |p: u32| &self.star[p as usize];
@@ -130,7 +134,7 @@ impl Block {
             {
                 return Err(Refusal::Flips);
             }
-            let mut doubtful = turn.doubtful() & ((1 << four.len()) - 1);
+            let mut doubtful = turn.doubtful(small) & ((1 << four.len()) - 1);
             if doubtful != 0 {
                 self.fan.unclear |= doubtful & turn.unclear(sum) != 0;
             }
@@ -139,8 +143,10 @@ impl Block {
                 self.fan.doubtful.push(at);
                 doubtful &= doubtful - 1;
             }
+            largest = largest.max(turn.longest);
             self.fan.roots.extend(&turn.roots()[..four.len()]);
         }
+        self.fan.small = largest.max_element() <= small;
         Ok(())
     }
 
@@ -187,11 +193,13 @@ impl lanes::Turn {
         (turned & (outward.cmpge(self.length * FACING) | smaller | steady)).all()
     }
 
-    /// Which are thin or were.
+    /// Which are thin or were, of those whose longest side, squared, is more
+    /// than `small`.
     #[inline(always)]
-    fn doubtful(&self) -> u32 {
+    fn doubtful(&self, small: f32) -> u32 {
         let least = self.length.min(self.old_root * self.old_root * 2.0);
-        least.cmple(self.longest * DOUBTFUL).bitmask()
+        let thin = least.cmple(self.longest * DOUBTFUL);
+        (thin & self.longest.cmpgt(Vec4::splat(small))).bitmask()
     }
 
     /// Which do not plainly face as the input does, by its area normals and

@@ -75,6 +75,13 @@ const EASE_PRICE: f32 = 4.0;
 const GUARDED: usize = 3;
 /// Triangles below which all are checked whatever the target.
 const FEW_LEFT: usize = 4096;
+/// Once one in so many of the input's triangles are left, some are small
+/// beside the others where the input is tangled...
+const DEEP: usize = 128;
+/// ...which are those whose squared side is at most this much of the mean area
+/// of a triangle. To doubt how they turn would leave knots that nothing
+/// dissolves, and the triangles to go would be taken from the rest.
+const SMALL: f32 = 0.1;
 
 /// How far a run came.
 pub(crate) struct Ran<'a> {
@@ -93,6 +100,8 @@ struct Run<'a> {
     guard: Option<Guard<'a>>,
     progress: &'a dyn Progress,
     start: usize,
+    /// Triangles of the input.
+    whole: usize,
     error: f32,
     collapses: usize,
     refused: Refused,
@@ -135,6 +144,7 @@ fn collapse<'a>(
         input,
         progress,
         start: level.triangle.len(),
+        whole: level.input,
         error: 0.0,
         collapses: 0,
         refused: Refused::default(),
@@ -257,9 +267,15 @@ impl Run<'_> {
 
     /// One round; none if nothing collapsed.
     fn round(&self, blocks: &mut [Block], alive: usize) -> Option<Step> {
+        let small = if alive * DEEP < self.whole {
+            SMALL
+        } else {
+            0.0
+        };
         let bins: Vec<Vec<u32>> = blocks
             .par_iter_mut()
             .map(|block| {
+                block.small = small * block.area / block.alive.max(1) as f32;
                 let mut bins = vec![0; BINS];
                 block.look(&mut bins);
                 bins
