@@ -85,5 +85,23 @@ fn the_trial_compares_with_plain_simplification() {
     let rows = found["rows"].as_array().unwrap();
     let methods: Vec<&str> = rows.iter().filter_map(|r| r["method"].as_str()).collect();
     assert_eq!(methods, ["plain", "mesh x10 ^3", "mesh x30 ^3"]);
-    assert!(rows.iter().all(|r| r["left"] == 500 && r["whole"].as_f64() > Some(0.0)));
+    assert!(
+        rows.iter()
+            .all(|r| r["left"] == 500 && r["whole"].as_f64() > Some(0.0))
+    );
+}
+
+#[test]
+fn fewer_views_are_correlated_with_the_grid() {
+    let folder = Folder::new();
+    folder.scene(
+        "small.ply",
+        &Scene::from_mesh(shapes::torus(1.0, 0.4, 8, 6)),
+    );
+    let rows = folder
+        .ok("bench views small.ply --views 2,200 --json")
+        .json();
+    let of = |i: usize| rows[i]["correlation"][0].as_f64();
+    assert_eq!(of(0).map(|c| c > 0.999_999), Some(true), "{rows}");
+    assert!(of(2) > of(1), "{rows}");
 }

@@ -7,6 +7,7 @@ mod one;
 mod page;
 mod saliency;
 mod simplify;
+mod views;
 
 use crate::console::Console;
 use anyhow::Result;
@@ -24,6 +25,7 @@ enum What {
     Models(models::Args),
     Simplify(simplify::Args),
     Saliency(saliency::Args),
+    Views(views::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
@@ -35,6 +37,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Models(args) => models::run(args, console),
         What::Simplify(args) => simplify::run(args, console),
         What::Saliency(args) => saliency::run(args, console),
+        What::Views(args) => views::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),
