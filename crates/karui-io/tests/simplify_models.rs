@@ -9,7 +9,8 @@ use common::models;
 use glam::{Vec2, Vec3};
 use karui::TriMesh;
 use karui::mesh::{Components, PositionIds};
-use karui::simplify::{SimplifyOptions, Stop, simplify};
+use karui::metrics::{Samples, SurfaceDistanceOptions, surface_distance};
+use karui::simplify::{Quality, SimplifyOptions, Stop, simplify};
 use std::collections::BTreeMap;
 
 const TEXTURED: [&str; 6] = [
@@ -122,5 +123,31 @@ fn check_charts(file: &str, mesh: &TriMesh, coarse: &TriMesh) {
         };
         let fits = |c: &Chart| inside(&uv, c[0], slack[0]) && inside(&place, c[1], slack[1]);
         assert!(charts.iter().any(fits), "{file}: {uv:?} lies in no chart");
+    }
+}
+
+/// Where this scan is tangled inside, knots that nothing dissolves must not
+/// take the triangles of what is seen.
+#[test]
+fn coarse_dragon_keeps_its_shape() {
+    let Some(folder) = models() else { return };
+    let scene = karui_io::read(folder.join("scans/dragon_vrip.ply.gz")).unwrap();
+    let mesh = &scene.meshes[0].mesh;
+    let sampled = SurfaceDistanceOptions {
+        samples: Samples::Count(20_000),
+        vertices: false,
+        ..SurfaceDistanceOptions::default()
+    };
+    for quality in [Quality::Fast, Quality::Balanced] {
+        let options = SimplifyOptions {
+            stop: Stop::triangles(1000),
+            quality,
+            ..SimplifyOptions::default()
+        };
+        let coarse = simplify(mesh, &options).unwrap().mesh;
+        let error = surface_distance(mesh, &coarse, &sampled).unwrap().rms();
+        let (low, high) = span(mesh.positions.iter().copied());
+        let share = error / f64::from(low.distance(high));
+        assert!(share < 0.006, "{quality:?}: {share}");
     }
 }
