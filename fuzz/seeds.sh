@@ -24,4 +24,8 @@ mkdir -p "$target/read_gz"
 for file in "$target"/read_off/*; do
     gzip -nc "$file" >"$target/read_gz/$(basename "$file").gz"
 done
+mkdir -p "$target/decode_image"
+find -L "$models" -type f -size "-${largest}c" \( -iname '*.png' -o -iname '*.jpg' \) \
+    -exec cp {} "$target/decode_image" \;
+echo "$(find "$target/decode_image" -type f | wc -l) seeds in $target/decode_image"
 echo "$(find "$target/read_gz" -type f | wc -l) seeds in $target/read_gz"

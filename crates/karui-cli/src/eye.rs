@@ -1,10 +1,12 @@
 //! Pictures of models from all around, and how different they look.
 
+use crate::failure::Failure;
 use anyhow::Result;
 use karui::geom::{Aabb, Camera, Light, fibonacci_directions};
 use karui::metrics::image::{ImageDifference, ImageOptions, compare};
 use karui::render::{Model, Outputs, Picture, RenderOptions, Renderer};
 use rayon::prelude::*;
+use std::path::Path;
 
 /// Field of view, radians.
 const FOV: f32 = 0.75;
@@ -54,6 +56,16 @@ impl Eye {
     pub fn options(&self) -> &RenderOptions<'static> {
         &self.options
     }
+}
+
+/// Whether there is anything to see.
+pub fn require_placed(renderer: &Renderer<'_>, path: &Path) -> Result<()> {
+    if renderer.bounds().is_empty() {
+        let message = format!("{}: no mesh with triangles is placed", path.display());
+        let hint = "`karui info` shows instances; the default scene has to show a mesh";
+        return Err(Failure::input(message).hint(hint).into());
+    }
+    Ok(())
 }
 
 /// How different pictures look, one after the other.

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use karui::TriMesh;
 use karui::render::Model;
 use karui::saliency::{self, HybridOptions, MeshSaliencyOptions, MultiView, MultiViewOptions};
-use karui::saliency::{Preset, Views, WeightMap};
+use karui::saliency::{Preset, SMOOTHING, Views, WeightMap};
 
 /// Ways to tell what matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -33,6 +33,14 @@ impl Kind {
     pub fn name(self) -> String {
         let value = self.to_possible_value();
         value.map_or(String::new(), |v| v.get_name().to_owned())
+    }
+
+    /// How wide values are smoothed if nothing else is asked for, as a share of the diagonal.
+    fn smoothing(self) -> f64 {
+        match self {
+            Self::Hybrid => SMOOTHING,
+            Self::Curvature | Self::Mesh | Self::Image => 0.0,
+        }
     }
 
     /// One value a vertex, 0 to 1.
@@ -84,15 +92,26 @@ pub fn of_preset(preset: Preset, input: &Input, console: &Console) -> Result<Vec
     Ok(preset.saliency(&model, &*console.progress())?)
 }
 
-/// One value a vertex of every mesh, 0 to 1; a mesh without triangles has zeros.
-pub fn of_scene(kind: Kind, input: &Input, console: &Console) -> Result<Vec<Vec<f32>>> {
+/// One value a vertex of every mesh, 0 to 1; a mesh without triangles has zeros. Smoothed
+/// as far as asked for, else as the kind is.
+pub fn of_scene(
+    kind: Kind,
+    smoothing: Option<f64>,
+    input: &Input,
+    console: &Console,
+) -> Result<Vec<Vec<f32>>> {
+    let width = smoothing.unwrap_or(kind.smoothing());
     let views = match kind {
         Kind::Image | Kind::Hybrid => look(input, console)?,
         Kind::Curvature | Kind::Mesh => Vec::new(),
     };
     let of_mesh = |(i, mesh): (usize, &TriMesh)| match mesh.triangles.is_empty() {
         true => Ok(vec![0.0; mesh.positions.len()]),
-        false => kind.of_mesh(mesh, views.get(i)),
+        false => Ok(saliency::smooth(
+            mesh,
+            &kind.of_mesh(mesh, views.get(i))?,
+            width,
+        )?),
     };
     let meshes = input.scene.meshes.iter().map(|m| &m.mesh);
     meshes.enumerate().map(of_mesh).collect()
@@ -113,10 +132,14 @@ fn look(input: &Input, console: &Console) -> Result<Vec<MultiView>> {
     )?)
 }
 
-/// Weights for simplification, from 1 to `most`.
-pub fn weights(kind: Kind, most: f32, input: &Input, console: &Console) -> Result<MeshWeights> {
-    let map = WeightMap::Linear { least: 1.0, most };
-    mapped(map, of_scene(kind, input, console)?)
+/// Weights for simplification.
+pub fn weights(
+    kind: Kind,
+    map: WeightMap,
+    input: &Input,
+    console: &Console,
+) -> Result<MeshWeights> {
+    mapped(map, of_scene(kind, None, input, console)?)
 }
 
 /// Weights for simplification as published.

@@ -80,7 +80,7 @@ fn the_trial_compares_with_plain_simplification() {
     let folder = Folder::new();
     two(&folder);
     let found = folder
-        .ok("bench saliency fine.ply --triangles 500 --kinds mesh --most 10,30 --views 2 --size 64 --json")
+        .ok("bench saliency fine.ply --triangles 500 --kinds mesh --most 10,30 --power 3 --views 2 --size 64 --json")
         .json();
     let rows = found["rows"].as_array().unwrap();
     let methods: Vec<&str> = rows.iter().filter_map(|r| r["method"].as_str()).collect();

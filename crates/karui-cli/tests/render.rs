@@ -80,6 +80,11 @@ fn several_models_make_a_sheet() {
     assert_eq!(document["models"].as_array().unwrap().len(), 2);
     let sheet = picture(&folder, "sheet.png");
     assert_eq!((sheet.width(), sheet.height()), (400, 116));
+    let ran = folder.ok("render family.glb coarse.glb -o said.png --size 400x100 --errors --json");
+    let models = ran.json()["models"].clone();
+    assert_eq!(models[0]["rms_of_diagonal"], serde_json::Value::Null);
+    assert!(models[1]["rms_of_diagonal"].as_f64() > Some(0.0));
+    assert_ne!(folder.read("said.png"), folder.read("sheet.png"));
     // The first tile is the picture of that model alone.
     folder.ok("render family.glb -o one.png --size 200x100");
     let one = picture(&folder, "one.png");

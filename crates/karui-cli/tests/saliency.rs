@@ -72,6 +72,39 @@ fn what_matters_keeps_its_triangles() {
 }
 
 #[test]
+fn a_higher_power_leaves_less_to_what_is_half_salient() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    let near = |power: u32| {
+        folder.ok(&format!(
+            "simplify bump.ply -o {power}.ply --triangles 2000 --saliency hybrid --saliency-power {power}"
+        ));
+        let scene = karui_io::read(folder.path(&format!("{power}.ply"))).unwrap();
+        let mesh = &scene.meshes[0].mesh;
+        (0..mesh.positions.len())
+            .filter(|v| near_bump(mesh, *v))
+            .count()
+    };
+    let (line, eighth) = (near(1), near(8));
+    assert!(eighth > line, "{eighth} vertices, {line} along a line");
+}
+
+#[test]
+fn a_picture_shows_front_and_back() {
+    let folder = Folder::new();
+    folder.scene("bump.ply", &Scene::from_mesh(bumped()));
+    folder.ok("saliency bump.ply -o a.ply --picture a.png");
+    let picture = karui_io::decode_image(&folder.read("a.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (2 * 768, 768 + 32));
+    let yellow = |p: &[u8; 4]| p[0] > 200 && p[1] > 180 && p[2] < 110;
+    let inside = |p: &&[u8; 4]| p[3] == 255 && yellow(p);
+    assert!(picture.pixels().iter().filter(inside).count() > 100);
+    folder.fails(2, "saliency bump.ply -o b.ply --picture b.jpg");
+    folder.fails(2, "saliency bump.ply -o b.ply --picture nowhere/b.png");
+    assert!(!folder.path("b.ply").exists());
+}
+
+#[test]
 fn attributes_made_can_be_given_back() {
     let folder = Folder::new();
     folder.scene("bump.ply", &Scene::from_mesh(bumped()));
@@ -114,6 +147,10 @@ fn a_preset_steers_simplification() {
     folder.ok("simplify bump.ply -o plain.ply --triangles 2000");
     folder.ok("simplify bump.ply -o lee.ply --triangles 2000 --saliency-preset lee2005");
     folder.ok("lod bump.ply -o lods.glb --saliency-preset lee2005");
+    folder.ok(
+        "simplify bump.ply -o own.ply --triangles 2000 --saliency-preset lee2005 --cost averaged",
+    );
+    assert_ne!(folder.read("own.ply"), folder.read("lee.ply"));
     assert_ne!(folder.read("plain.ply"), folder.read("lee.ply"));
     for wrong in [
         "saliency bump.ply -o a.ply --preset lee2005 --kind mesh",
@@ -142,6 +179,8 @@ fn bad_use_is_told_and_nothing_written() {
     );
     assert!(ran.err.contains("1 or more"), "{ran:?}");
     folder.fails(2, "saliency bump.ply -o a.docx");
+    let ran = folder.fails(2, "saliency bump.ply -o a.ply --smoothing 2");
+    assert!(ran.err.contains("1e-5 to 1"), "{ran:?}");
     folder.fails(2, "saliency none.ply -o a.ply");
     assert!(!folder.path("a.ply").exists());
 }

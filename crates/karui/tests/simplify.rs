@@ -57,7 +57,7 @@ fn the_zoo_survives_every_mode() {
     for (name, mesh) in shapes::zoo() {
         for ratio in [0.5, 0.1, 0.0] {
             for placement in [Placement::Optimal, Placement::HalfEdge] {
-                for cost in [Cost::Memoryless, Cost::Accumulated] {
+                for cost in [Cost::Memoryless, Cost::Accumulated, Cost::Averaged] {
                     let options = SimplifyOptions {
                         stop: Stop::ratio(ratio),
                         placement,
@@ -69,6 +69,30 @@ fn the_zoo_survives_every_mode() {
             }
         }
     }
+}
+
+/// Half of every cost changes no order; halves of sums do, from the second collapse at a
+/// point on.
+#[test]
+fn averaged_quadrics_start_like_sums_and_go_their_own_way() {
+    let bump = |p: Vec3| p * (1.0 + 0.1 * (5.0 * p.x).sin() * (7.0 * p.y).cos());
+    let mut mesh = shapes::icosphere(3);
+    mesh.positions.iter_mut().for_each(|p| *p = bump(*p));
+    let reached = |cost, triangles| {
+        let options = SimplifyOptions {
+            stop: Stop::triangles(triangles),
+            cost,
+            ..SimplifyOptions::default()
+        };
+        simplify(&mesh, &options).unwrap().mesh
+    };
+    let first = mesh.triangles.len() - 2;
+    let of = |triangles| [Cost::Accumulated, Cost::Averaged].map(|cost| reached(cost, triangles));
+    let [summed, averaged] = of(first);
+    assert_eq!(summed, averaged);
+    let [summed, averaged] = of(200);
+    assert_ne!(summed, averaged);
+    assert_eq!(averaged.triangles.len(), 200);
 }
 
 #[test]

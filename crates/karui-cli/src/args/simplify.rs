@@ -8,6 +8,7 @@ use crate::weights::{self, MeshWeights};
 use anyhow::Result;
 use clap::ValueEnum;
 use karui::lod::Method;
+use karui::saliency::WeightMap;
 use karui::simplify::{
     AttributeWeights, Border, Cost, Placement, Quality, SimplifyOptions, Topology,
 };
@@ -32,24 +33,30 @@ pub struct SimplifyArgs {
     /// Keep more detail where this says that it matters
     #[arg(long, value_enum, value_name = "KIND", conflicts_with = "weights")]
     saliency: Option<Kind>,
-    /// Keep more detail where a published way says that it matters, with its weights
+    /// Keep more detail where a published way says that it matters, with its weights and, unless
+    /// --cost says otherwise, its cost of a collapse
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["weights", "saliency"])]
     saliency_preset: Option<PresetArg>,
     /// How many times as much a collapse costs where it matters most; 1 or more
     #[arg(
         long,
         value_name = "X",
-        default_value_t = 10.0,
+        default_value_t = 300.0,
         requires = "saliency",
         conflicts_with = "saliency_preset"
     )]
     saliency_weight: f32,
+    /// Power of the saliency that the cost grows with: the larger, the less counts what is but
+    /// half salient
+    #[arg(long, value_name = "N", default_value_t = 8, requires = "saliency",
+          conflicts_with = "saliency_preset", value_parser = clap::value_parser!(u32).range(1..=64))]
+    saliency_power: u32,
     /// Where new vertices may lie
     #[arg(long, value_enum, default_value_t = PlacementArg::Optimal)]
     placement: PlacementArg,
-    /// What a collapse costs
-    #[arg(long, value_enum, default_value_t = CostArg::Memoryless)]
-    cost: CostArg,
+    /// What a collapse costs [default: memoryless, or as the preset of --saliency-preset]
+    #[arg(long, value_enum)]
+    cost: Option<CostArg>,
     /// Influence of normals; 1 is neutral, 0 is none
     #[arg(long, value_name = "X", default_value_t = 1.0)]
     normal_weight: f64,
@@ -142,8 +149,10 @@ enum PlacementArg {
 enum CostArg {
     /// Distance to the surface as it is now, volume kept; closest on average
     Memoryless,
-    /// Distance to all planes met so far
+    /// Distance to all planes met so far (Garland & Heckbert 1997); slower
     Accumulated,
+    /// The same, but a new vertex takes the mean of both quadrics (An 2014); slower
+    Averaged,
 }
 
 impl SimplifyArgs {
@@ -159,10 +168,7 @@ impl SimplifyArgs {
                 PlacementArg::Optimal => Placement::Optimal,
                 PlacementArg::HalfEdge => Placement::HalfEdge,
             },
-            cost: match self.cost {
-                CostArg::Memoryless => Cost::Memoryless,
-                CostArg::Accumulated => Cost::Accumulated,
-            },
+            cost: self.cost(),
             border: self.border(),
             attributes: AttributeWeights {
                 normal: self.normal_weight,
@@ -189,7 +195,11 @@ impl SimplifyArgs {
                 let message = format!("--saliency-weight is {most}; it must be 1 or more");
                 Err(Failure::input(message).into())
             }
-            (_, Some(kind)) => saliency::weights(kind, most, input, console),
+            (_, Some(kind)) => {
+                let (least, power) = (1.0, self.saliency_power);
+                let map = WeightMap::Power { least, most, power };
+                saliency::weights(kind, map, input, console)
+            }
             _ => match self.saliency_preset {
                 Some(preset) => saliency::preset_weights(preset.resolve(), input, console),
                 None => Ok(MeshWeights::new()),
@@ -214,6 +224,16 @@ impl SimplifyArgs {
                 Err(Failure::input(format!("--prune is {size}; it must be 0 or more")).into())
             }
             size => Ok(size),
+        }
+    }
+
+    fn cost(&self) -> Cost {
+        match (self.cost, self.saliency_preset) {
+            (Some(CostArg::Memoryless), _) => Cost::Memoryless,
+            (Some(CostArg::Accumulated), _) => Cost::Accumulated,
+            (Some(CostArg::Averaged), _) => Cost::Averaged,
+            (None, Some(preset)) => preset.resolve().cost(),
+            (None, None) => Cost::default(),
         }
     }
 

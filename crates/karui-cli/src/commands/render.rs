@@ -1,13 +1,15 @@
 //! `karui render`: pictures of models.
 
+use super::measure;
 use crate::args::PictureArgs;
 use crate::console::Console;
+use crate::eye::require_placed;
 use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::output::Staged;
 use crate::progress::check_cancelled;
 use crate::sheet::Layout;
-use crate::table::{bytes, count, seconds};
+use crate::table::{bytes, count, percent, seconds};
 use crate::textures;
 use anyhow::Result;
 use karui::geom::{Aabb, Light};
@@ -31,6 +33,10 @@ pub struct Args {
     /// Write N pictures from all around, the first where the camera is: FILE-000.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     turntable: Option<u32>,
+    /// Also say below each model but the first how far it is from the first: the two-sided RMS
+    /// distance, as a share of the first one's diagonal
+    #[arg(long)]
+    errors: bool,
     #[command(flatten)]
     picture: PictureArgs,
 }
@@ -39,6 +45,8 @@ pub struct Args {
 struct Shown {
     input: Input,
     images: Vec<Option<Picture>>,
+    /// RMS distance to the first model, as a share of its diagonal; none if not asked for.
+    error: Option<f64>,
 }
 
 /// Reads, draws, then writes all or nothing.
@@ -47,7 +55,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let layout = Layout::new(args.inputs.len(), args.picture.size);
     let size = sheet_size(args, layout)?;
     let read = args.inputs.iter().map(|path| shown(path, args, console));
-    let models = read.collect::<Result<Vec<_>>>()?;
+    let mut models = read.collect::<Result<Vec<_>>>()?;
+    if args.errors {
+        measure_all(&mut models, console)?;
+    }
     let renderers = models.iter().map(renderer).collect::<Result<Vec<_>>>()?;
     let staged = Staged::beside(&args.output)?;
     let progress = console.progress();
@@ -85,18 +96,34 @@ fn shown(path: &Path, args: &Args, console: &Console) -> Result<Shown> {
         true => textures::decode(&input, console),
         false => Vec::new(),
     };
-    Ok(Shown { input, images })
+    Ok(Shown {
+        input,
+        images,
+        error: None,
+    })
+}
+
+/// Samples of either kind of each surface.
+const SAMPLES: u64 = 500_000;
+
+/// How far every model but the first is from the first.
+fn measure_all(models: &mut [Shown], console: &Console) -> Result<()> {
+    let Some((first, rest)) = models.split_first_mut() else {
+        return Ok(());
+    };
+    let original = measure::mesh(&first.input.path, console)?;
+    for model in rest {
+        let mesh = measure::mesh(&model.input.path, console)?;
+        let distance = measure::distance(&original, &mesh, (SAMPLES, 0), console)?;
+        model.error = Some(distance.rms() / distance.diagonal);
+    }
+    Ok(())
 }
 
 fn renderer(shown: &Shown) -> Result<Renderer<'_>> {
-    let path = shown.input.path.display();
     let model = Model::of_scene(&shown.input.scene, &shown.images);
     let renderer = Renderer::of_model(&model)?;
-    if renderer.bounds().is_empty() {
-        let message = format!("{path}: no mesh with triangles is placed");
-        let hint = "`karui info` shows instances; the default scene has to show a mesh";
-        return Err(Failure::input(message).hint(hint).into());
-    }
+    require_placed(&renderer, &shown.input.path)?;
     Ok(renderer)
 }
 
@@ -128,7 +155,11 @@ impl Shown {
     fn caption(&self) -> String {
         let name = self.input.path.file_name().unwrap_or_default();
         let triangles = count(self.input.scene.triangle_count());
-        format!("{}  {triangles} triangles", name.to_string_lossy())
+        let name = name.to_string_lossy();
+        match self.error {
+            Some(error) => format!("{name}  {triangles} triangles  RMS {}", percent(error)),
+            None => format!("{name}  {triangles} triangles"),
+        }
     }
 
     fn document(&self) -> Value {
@@ -136,6 +167,7 @@ impl Shown {
         json!({
             "path": self.input.path,
             "triangles": self.input.scene.triangle_count(),
+            "rms_of_diagonal": self.error,
             "images": { "decoded": decoded, "missing": self.images.len() - decoded },
         })
     }
@@ -156,7 +188,7 @@ fn sheet_size(args: &Args, layout: Layout) -> Result<(u64, u64)> {
 }
 
 /// The name of the output without `.png`.
-fn stem(output: &Path) -> Result<String> {
+pub(super) fn stem(output: &Path) -> Result<String> {
     let is_png = output
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("png"));

@@ -1,7 +1,11 @@
 //! `karui saliency`: what matters on a model.
 
+mod picture;
+
+use super::render::stem;
 use crate::args::WriteArgs;
 use crate::console::Console;
+use crate::output::Staged;
 use crate::saliency::{self, Kind, PresetArg};
 use crate::table::{bytes, count, seconds};
 use crate::{heat, input, output};
@@ -27,9 +31,16 @@ pub struct Args {
     /// As published, in place of a kind
     #[arg(long, value_enum, value_name = "NAME", conflicts_with = "kind")]
     preset: Option<PresetArg>,
+    /// Make every value the mean of those around it, so far as this share of the diagonal
+    /// [default: 0.02 for hybrid, 0 for others]
+    #[arg(long, value_name = "SHARE", conflicts_with = "preset")]
+    smoothing: Option<f64>,
     /// Also as vertex colours, in place of the model's: dark blue is 0, yellow is 1
     #[arg(long)]
     colors: bool,
+    /// A picture of it too, as PNG: front and back, with a legend
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     #[command(flatten)]
     write: WriteArgs,
 }
@@ -37,14 +48,23 @@ pub struct Args {
 /// Reads, finds out, writes, then tells.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     input::output_format(&args.output)?;
+    args.picture.as_deref().map(stem).transpose()?;
     let mut input = input::read(&args.input, console)?;
     input.require_triangles()?;
     let preset = args.preset.map(PresetArg::resolve);
     let values = match preset {
         Some(preset) => saliency::of_preset(preset, &input, console)?,
-        None => saliency::of_scene(args.kind, &input, console)?,
+        None => saliency::of_scene(args.kind, args.smoothing, &input, console)?,
     };
     let name = preset.map_or(args.kind.name(), |p| p.name().to_owned());
+    let staged = args.picture.as_deref().map(|path| {
+        let png = karui_io::encode_png(&picture::sheet(&input, &values, &name)?)?;
+        let staged = Staged::beside(path)?;
+        let file = path.file_name().unwrap_or_default();
+        staged.bytes(&file.to_string_lossy(), &png)?;
+        Ok::<_, anyhow::Error>(staged)
+    });
+    let staged = staged.transpose()?;
     let all: Vec<f32> = values.iter().flatten().copied().collect();
     for (mesh, values) in input.scene.meshes.iter_mut().zip(values) {
         let attributes = &mut mesh.mesh.attributes;
@@ -59,10 +79,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         });
     }
     let written = output::write_one(&args.output, &input.scene, &args.write.resolve())?;
+    staged.map(Staged::publish).transpose()?;
     let shares = histogram(&all);
     console.data(&bars(&shares))?;
     console.document(&json!({
-        "input": args.input, "output": args.output, "bytes": written.bytes,
+        "input": args.input, "output": args.output, "picture": args.picture, "bytes": written.bytes,
         "kind": name, "vertices": all.len(), "histogram": shares,
     }))?;
     console.summary(&format!(

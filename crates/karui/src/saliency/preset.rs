@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::progress::Progress;
 use crate::render::Model;
+use crate::simplify::Cost;
 use std::str::FromStr;
 
 /// A published way to find saliency, with the options of its paper where the defaults
@@ -86,6 +87,18 @@ impl Preset {
             },
             Self::Lee2005 => WeightMap::LEE2005,
             Self::Itti1998 => WeightMap::default(),
+        }
+    }
+
+    /// What a collapse costs before the weight: the thesis averages quadrics (eq. 4.3), Lee
+    /// et al. sum them up as Garland & Heckbert do; Itti et al. have none, and take the
+    /// default.
+    #[must_use]
+    pub const fn cost(self) -> Cost {
+        match self {
+            Self::Thesis2014 => Cost::Averaged,
+            Self::Lee2005 => Cost::Accumulated,
+            Self::Itti1998 => Cost::Memoryless,
         }
     }
 

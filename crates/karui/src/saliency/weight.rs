@@ -38,10 +38,14 @@ pub enum WeightMap {
 }
 
 impl Default for WeightMap {
+    /// From 1 to 300 along the eighth power: of the maps tried (`karui bench saliency`) the one
+    /// that brings the most salient fifth closest without pictures getting worse. An error falls
+    /// with the third root of a weight only, and ranks in the middle must stay cheap.
     fn default() -> Self {
-        Self::Linear {
+        Self::Power {
             least: 1.0,
-            most: 10.0,
+            most: 300.0,
+            power: 8,
         }
     }
 }

@@ -228,10 +228,11 @@ impl State<'_> {
     /// Squared distance to the planes and lines around both points, with
     /// `origin` as the origin of coordinates.
     fn shape_quadric(&self, a: u32, b: u32, origin: DVec3, info: &EdgeInfo) -> Quadric {
-        if self.options.cost == Cost::Accumulated {
-            let mut sum = self.quadric[a as usize].relative_to(origin);
-            sum += self.quadric[b as usize].relative_to(origin);
-            return sum;
+        let of = |p: u32| self.quadric[p as usize].relative_to(origin);
+        match self.options.cost {
+            Cost::Accumulated => return of(a) + of(b),
+            Cost::Averaged => return (of(a) + of(b)) * 0.5,
+            Cost::Memoryless => {}
         }
         let mut sum = self.star_around(a, origin);
         sum += self.star_around(b, origin);

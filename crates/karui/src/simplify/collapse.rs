@@ -3,6 +3,7 @@
 use super::blend::blend;
 use super::candidate::Candidate;
 use super::check::Mixes;
+use super::options::Cost;
 use super::state::{State, facet};
 
 impl State<'_> {
@@ -22,6 +23,9 @@ impl State<'_> {
         self.surface.position[kept] = c.place;
         let (quadric, facing) = (self.quadric[removed], self.facing[removed]);
         self.quadric[kept] += quadric;
+        if self.options.cost == Cost::Averaged {
+            self.quadric[kept] = self.quadric[kept] * 0.5;
+        }
         self.facing[kept] += facing;
         if !self.weight.is_empty() {
             self.weight[kept] = 0.5 * (self.weight[kept] + self.weight[removed]);

@@ -196,6 +196,10 @@ pub enum Cost {
     Memoryless,
     /// Quadrics summed up since the input (Garland & Heckbert 1997).
     Accumulated,
+    /// As `Accumulated`, but a new vertex takes the mean of both quadrics, not
+    /// their sum (An 2014, eq. 4.3), so that what many collapses have led to
+    /// counts no more than what one has.
+    Averaged,
 }
 
 /// What happens to open borders.

@@ -4,7 +4,7 @@
 //! Metrics, SIGGRAPH 1997.
 
 use glam::{DMat3, DVec3};
-use std::ops::AddAssign;
+use std::ops::{Add, AddAssign, Mul};
 
 /// `x^T A x - 2 b.x + c`: a weighted sum of squared distances, with the sum of
 /// its weights.
@@ -106,6 +106,34 @@ impl AddAssign for Quadric {
     }
 }
 
+impl Add for Quadric {
+    type Output = Self;
+
+    fn add(mut self, o: Self) -> Self {
+        self += o;
+        self
+    }
+}
+
+impl Mul<f64> for Quadric {
+    type Output = Self;
+
+    /// The same distances, of so many times the weight.
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            xx: self.xx * factor,
+            xy: self.xy * factor,
+            xz: self.xz * factor,
+            yy: self.yy * factor,
+            yz: self.yz * factor,
+            zz: self.zz * factor,
+            b: self.b * factor,
+            c: self.c * factor,
+            weight: self.weight * factor,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,6 +146,8 @@ mod tests {
         assert!((q.sum(x) - (2.0 * 9.0 + 3.0 * 4.0)).abs() < 1e-12);
         assert!((q.mean(x) - 30.0 / 5.0).abs() < 1e-12);
         assert_eq!(q.trace(), 5.0);
+        let half = (q + q) * 0.25;
+        assert_eq!((half.sum(x), half.mean(x)), (0.5 * q.sum(x), q.mean(x)));
     }
 
     #[test]

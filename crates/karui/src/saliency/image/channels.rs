@@ -14,16 +14,19 @@ pub(super) fn channels(picture: &Picture, out: &mut [Plane; 3]) {
     }
     let pixels = picture.pixels();
     let [i, rg, by] = out;
-    let brightest = pixels
-        .iter()
-        .map(|&p| sum(over_black(p)))
-        .fold(0.0, f32::max);
-    let least = 0.1 * brightest;
-    let colors = rg.values.iter_mut().zip(&mut by.values);
-    for ((pixel, i), (rg, by)) in pixels.iter().zip(&mut i.values).zip(colors) {
-        let color = over_black(*pixel);
-        *i = sum(color) / 3.0;
-        [*rg, *by] = oppositions(color, least);
+    let runs = || pixels.chunk_by(|a, b| a == b);
+    let brightness = runs().map(|run| sum(over_black(run[0])));
+    let least = 0.1 * brightness.fold(0.0, f32::max);
+    let mut start = 0;
+    // Most of a picture of a model is background.
+    for run in runs() {
+        let end = start + run.len();
+        let color = over_black(run[0]);
+        let [red_green, blue_yellow] = oppositions(color, least);
+        i.values[start..end].fill(sum(color) / 3.0);
+        rg.values[start..end].fill(red_green);
+        by.values[start..end].fill(blue_yellow);
+        start = end;
     }
 }
 

@@ -42,11 +42,15 @@ pub struct Args {
     #[arg(long, value_enum, value_name = "KINDS", value_delimiter = ',', default_values_t = [Kind::Mesh, Kind::Hybrid])]
     kinds: Vec<Kind>,
     /// How much more the most salient vertices count than the least
-    #[arg(long, value_name = "X", value_delimiter = ',', default_values_t = [10.0])]
+    #[arg(long, value_name = "X", value_delimiter = ',', default_values_t = [300.0])]
     most: Vec<f32>,
     /// Powers of the saliency that the weights follow
-    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [3])]
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [8])]
     power: Vec<u32>,
+    /// Smooth all saliency so far, as a share of the diagonal [default: 0.02 for hybrid, 0 for
+    /// others]
+    #[arg(long, value_name = "SHARE")]
+    smoothing: Option<f64>,
     /// Directions that pictures are compared from
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     views: u32,
@@ -134,7 +138,10 @@ impl Trial {
         let mut saliency = Vec::new();
         for kind in kinds {
             let start = Instant::now();
-            saliency.push((kind, saliency::of_scene(kind, &input, console)?));
+            saliency.push((
+                kind,
+                saliency::of_scene(kind, args.smoothing, &input, console)?,
+            ));
             times
                 .seconds
                 .push((kind.name(), start.elapsed().as_secs_f64()));
