@@ -225,6 +225,30 @@ fn locked_parts_stay() {
     );
 }
 
+/// Prices and what they are compared with are both weighted.
+#[test]
+fn weights_of_all_alike_change_nothing_and_a_heavy_part_stays() {
+    let mesh = crumbs(60, 0.02);
+    let weighted = |weights: &[f32]| {
+        let options = SimplifyOptions {
+            weights: Some(weights),
+            ..options(0.02, Topology::Simplify)
+        };
+        simplify(&mesh, &options).unwrap()
+    };
+    let plain = to(&mesh, 0.02, Topology::Simplify).topology;
+    assert!(plain.parts > 0, "{plain:?}");
+    let mut weights = vec![64.0; mesh.positions.len()];
+    assert_eq!(weighted(&weights).topology, plain);
+    let crumb = shapes::icosphere(1).positions.len();
+    let heavy = weights.len() - crumb..weights.len();
+    weights[heavy.clone()].fill(1e9);
+    let coarse = weighted(&weights).mesh;
+    let center = mesh.positions[heavy].iter().sum::<Vec3>() / crumb as f32;
+    let near = |p: &Vec3| p.distance(center) < 0.03;
+    assert!(coarse.positions.iter().any(near));
+}
+
 #[test]
 fn holes_close_unless_borders_are_locked() {
     let holes: Vec<usize> = (0..60).map(|i| 50 + 300 * i).collect();

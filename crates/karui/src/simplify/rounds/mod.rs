@@ -240,6 +240,7 @@ impl Run<'_> {
     fn ease(&mut self, level: &mut Level<'_>, rules: &Rules) -> bool {
         let limits = Limits {
             price: self.paid,
+            least_weight: level.mean_weight(),
             error: rules.max_error,
             triangles: self.target.triangles,
             lock_borders: rules.lock_borders,

@@ -70,7 +70,7 @@ impl Level<'_> {
                     let Some(&(_, third)) = back.filter(|_| !net.is_side(first, c)) else {
                         continue;
                     };
-                    let (area, size) = self.extent([a, b, c]);
+                    let (area, size) = self.extent([a, b, c], limits);
                     let is_free = !self.is_locked(b) && !self.is_locked(c);
                     if is_free && limits.allow(area, size) {
                         let price = area * size * size;

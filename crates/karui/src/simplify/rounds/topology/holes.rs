@@ -29,7 +29,7 @@ impl Level<'_> {
             };
             let points = [h, g, f].map(|h| net.ends(h)[0]);
             let is_last = [h, g, f].iter().all(|i| i / 3 == h / 3);
-            let (area, size) = self.extent(points);
+            let (area, size) = self.extent(points, limits);
             let opposed = [h, g, f].iter().any(|&h| {
                 net.triangle[h as usize / 3]
                     .iter()

@@ -24,6 +24,10 @@ pub(super) struct Limits {
     /// Largest price: area times squared distance, for every two triangles
     /// that it saves, as for a collapse.
     pub price: f32,
+    /// Weight that everything has at least: the mean of all. Where some
+    /// points weigh a lot, prices paid for them would buy whole parts that
+    /// weigh little.
+    pub least_weight: f32,
     /// Largest distance, scaled units.
     pub error: f32,
     /// Triangles to be left.
@@ -33,6 +37,12 @@ pub(super) struct Limits {
 }
 
 impl Limits {
+    /// How much more than its area what is at a point counts, of these weights.
+    fn weight(&self, weights: &[f32], p: u32) -> f32 {
+        let own = weights.get(p as usize).copied();
+        own.unwrap_or(1.0).max(self.least_weight)
+    }
+
     /// Whether so large an area may be off by `distance`.
     fn allow(&self, area: f32, distance: f32) -> bool {
         distance <= self.error && area * distance * distance <= self.price
@@ -86,10 +96,13 @@ impl Level<'_> {
         wedges.zip(corner).map_or(0, |(wedges, k)| wedges[k])
     }
 
-    /// Area of a triangle, and half its longest side.
-    fn extent(&self, points: [u32; 3]) -> (f32, f32) {
+    /// Area of a triangle, by the weight of its points as the prices of
+    /// collapses are, and half its longest side.
+    fn extent(&self, points: [u32; 3], limits: &Limits) -> (f32, f32) {
+        let weight = |&p: &u32| limits.weight(&self.weight, p);
+        let weight = points.iter().map(weight).sum::<f32>() / 3.0;
         let [a, b, c] = points.map(|p| self.place(p));
-        let area = 0.5 * (b - a).cross(c - a).length();
+        let area = 0.5 * (b - a).cross(c - a).length() * weight;
         let longest =
             |p: Vec3, q: Vec3, r: Vec3| p.distance(q).max(q.distance(r)).max(r.distance(p));
         (area, 0.5 * longest(a, b, c))

@@ -11,6 +11,8 @@ struct Part {
     triangles: usize,
     /// Of the input's surface that it stands for.
     area: f32,
+    /// The same, by weight.
+    worth: f32,
     bounds: Aabb,
     locked: bool,
 }
@@ -18,11 +20,11 @@ struct Part {
 impl Level<'_> {
     /// Removes parts, cheapest first, never the last; returns how many.
     pub(super) fn let_go(&mut self, limits: &Limits) -> usize {
-        let (part_of, parts) = self.parts();
+        let (part_of, parts) = self.parts(limits);
         let largest = (0..parts.len()).max_by(|&a, &b| parts[a].area.total_cmp(&parts[b].area));
         let price = |part: &Part| {
             let size = part.bounds.diagonal() as f32;
-            (2.0 * part.area / part.triangles as f32, size)
+            (2.0 * part.worth / part.triangles as f32, size)
         };
         let mut cheap: Vec<(f32, usize)> = Vec::new();
         for (i, part) in parts.iter().enumerate() {
@@ -51,7 +53,7 @@ impl Level<'_> {
     }
 
     /// The part of every point, and the parts, by first appearance.
-    fn parts(&self) -> (Vec<u32>, Vec<Part>) {
+    fn parts(&self, limits: &Limits) -> (Vec<u32>, Vec<Part>) {
         const NONE: u32 = u32::MAX;
         let count = self.position.len();
         let mut sets = DisjointSets::new(count);
@@ -69,6 +71,7 @@ impl Level<'_> {
                 parts.push(Part {
                     triangles: 0,
                     area: 0.0,
+                    worth: 0.0,
                     bounds: Aabb::EMPTY,
                     locked: false,
                 });
@@ -77,7 +80,9 @@ impl Level<'_> {
             part.triangles += 1;
             for &p in points {
                 if !std::mem::replace(&mut used[p as usize], true) {
-                    part.area += self.memory[p as usize].area() as f32;
+                    let area = self.memory[p as usize].area() as f32;
+                    part.area += area;
+                    part.worth += area * limits.weight(&self.weight, p);
                     part.bounds = part.bounds.with(self.place(p));
                     part.locked |= self.is_locked(p);
                 }
