@@ -105,3 +105,15 @@ fn fewer_views_are_correlated_with_the_grid() {
     assert_eq!(of(0).map(|c| c > 0.999_999), Some(true), "{rows}");
     assert!(of(2) > of(1), "{rows}");
 }
+
+#[test]
+fn the_times_of_the_thesis_are_measured_at_each_size() {
+    let folder = Folder::new();
+    two(&folder);
+    let rows = folder
+        .ok("bench thesis fine.ply --triangles 100 --json")
+        .json();
+    assert_eq!(rows.as_array().map(Vec::len), Some(1));
+    let seconds = rows[0]["seconds"].as_array().unwrap();
+    assert!(seconds.iter().all(|s| s.as_f64() > Some(0.0)), "{rows}");
+}

@@ -7,6 +7,7 @@ mod one;
 mod page;
 mod saliency;
 mod simplify;
+mod thesis;
 mod views;
 
 use crate::console::Console;
@@ -26,6 +27,7 @@ enum What {
     Simplify(simplify::Args),
     Saliency(saliency::Args),
     Views(views::Args),
+    Thesis(thesis::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
@@ -38,6 +40,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Simplify(args) => simplify::run(args, console),
         What::Saliency(args) => saliency::run(args, console),
         What::Views(args) => views::run(args, console),
+        What::Thesis(args) => thesis::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),

@@ -73,15 +73,6 @@ impl<'a> Level<'a> {
         self.locked.get(p as usize).copied().unwrap_or(false)
     }
 
-    /// Mean over all points.
-    pub fn mean_weight(&self) -> f32 {
-        let sum: f64 = self.weight.iter().map(|&w| f64::from(w)).sum();
-        match self.weight.len() {
-            0 => 1.0,
-            count => (sum / count as f64) as f32,
-        }
-    }
-
     /// Weights of these points; empty if all are 1.
     pub fn weights_of(&self, points: &[u32]) -> Vec<f32> {
         if self.weight.is_empty() {

@@ -240,7 +240,7 @@ impl Run<'_> {
     fn ease(&mut self, level: &mut Level<'_>, rules: &Rules) -> bool {
         let limits = Limits {
             price: self.paid,
-            least_weight: level.mean_weight(),
+            weights: level.weights(),
             error: rules.max_error,
             triangles: self.target.triangles,
             lock_borders: rules.lock_borders,

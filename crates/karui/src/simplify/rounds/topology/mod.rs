@@ -24,10 +24,7 @@ pub(super) struct Limits {
     /// Largest price: area times squared distance, for every two triangles
     /// that it saves, as for a collapse.
     pub price: f32,
-    /// Weight that everything has at least: the mean of all. Where some
-    /// points weigh a lot, prices paid for them would buy whole parts that
-    /// weigh little.
-    pub least_weight: f32,
+    pub weights: Weights,
     /// Largest distance, scaled units.
     pub error: f32,
     /// Triangles to be left.
@@ -36,13 +33,25 @@ pub(super) struct Limits {
     pub lock_borders: bool,
 }
 
-impl Limits {
-    /// How much more than its area what is at a point counts, of these weights.
-    fn weight(&self, weights: &[f32], p: u32) -> f32 {
-        let own = weights.get(p as usize).copied();
-        own.unwrap_or(1.0).max(self.least_weight)
-    }
+/// Prices of collapses are weighted, and so must be what they are compared
+/// with. Rings of three edges are next to nothing and in the way wherever they
+/// are: they have the least weight. Whole parts are seen to go: they have their
+/// own, but no less than the mean, or else the prices of a few heavy points
+/// would buy all that weigh little.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights {
+    least: f32,
+    mean: f32,
+}
 
+impl Weights {
+    const NONE: Self = Self {
+        least: 1.0,
+        mean: 1.0,
+    };
+}
+
+impl Limits {
     /// Whether so large an area may be off by `distance`.
     fn allow(&self, area: f32, distance: f32) -> bool {
         distance <= self.error && area * distance * distance <= self.price
@@ -96,13 +105,22 @@ impl Level<'_> {
         wedges.zip(corner).map_or(0, |(wedges, k)| wedges[k])
     }
 
-    /// Area of a triangle, by the weight of its points as the prices of
-    /// collapses are, and half its longest side.
+    /// Weights of all points, in short.
+    pub(super) fn weights(&self) -> Weights {
+        let sum: f64 = self.weight.iter().map(|&w| f64::from(w)).sum();
+        match self.weight.len() {
+            0 => Weights::NONE,
+            count => Weights {
+                least: self.weight.iter().copied().fold(f32::INFINITY, f32::min),
+                mean: (sum / count as f64) as f32,
+            },
+        }
+    }
+
+    /// Area of a triangle, at the least weight, and half its longest side.
     fn extent(&self, points: [u32; 3], limits: &Limits) -> (f32, f32) {
-        let weight = |&p: &u32| limits.weight(&self.weight, p);
-        let weight = points.iter().map(weight).sum::<f32>() / 3.0;
         let [a, b, c] = points.map(|p| self.place(p));
-        let area = 0.5 * (b - a).cross(c - a).length() * weight;
+        let area = 0.5 * (b - a).cross(c - a).length() * limits.weights.least;
         let longest =
             |p: Vec3, q: Vec3, r: Vec3| p.distance(q).max(q.distance(r)).max(r.distance(p));
         (area, 0.5 * longest(a, b, c))

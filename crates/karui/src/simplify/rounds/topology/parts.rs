@@ -82,7 +82,8 @@ impl Level<'_> {
                 if !std::mem::replace(&mut used[p as usize], true) {
                     let area = self.memory[p as usize].area() as f32;
                     part.area += area;
-                    part.worth += area * limits.weight(&self.weight, p);
+                    let own = self.weight.get(p as usize).copied().unwrap_or(1.0);
+                    part.worth += area * own.max(limits.weights.mean);
                     part.bounds = part.bounds.with(self.place(p));
                     part.locked |= self.is_locked(p);
                 }
