@@ -69,7 +69,8 @@ fn plain_flip(a: &TriMesh, b: &TriMesh, distance: f64, options: &SeenOptions<'_>
             .filter(|&i| a.pixels()[i][3] != 0 || b.pixels()[i][3] != 0)
             .map(|i| f64::from(map[i]))
             .collect();
-        total += covered.iter().sum::<f64>() / covered.len() as f64;
+        // From so far that no sample meets it there is nothing to tell apart.
+        total += covered.iter().sum::<f64>() / covered.len().max(1) as f64;
     }
     total / f64::from(options.views)
 }
