@@ -159,8 +159,9 @@ impl Stop {
     }
 }
 
-/// How much time to spend for how small an error. [`Cost::Accumulated`] and
-/// vertex pairs are only had as by [`Quality::Exact`], whatever is asked for.
+/// How much time to spend for how small an error. Costs other than
+/// [`Cost::Memoryless`] and vertex pairs are only had as by [`Quality::Exact`],
+/// whatever is asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Quality {
     /// Few rounds of many collapses: fastest. Looks back at the input where a

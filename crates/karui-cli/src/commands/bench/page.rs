@@ -1,5 +1,6 @@
 //! Pages of figures that several commands write a part of each.
 
+use crate::console::Console;
 use crate::failure::Failure;
 use crate::output::Staged;
 use anyhow::Result;
@@ -34,6 +35,14 @@ impl Page {
             .bytes(&name.to_string_lossy(), page.as_bytes())?;
         self.staged.publish()?;
         Ok(())
+    }
+}
+
+/// Writes what `command` has found into the page, if there is one, else prints it.
+pub fn tell(page: Option<Page>, command: &str, body: &str, console: &Console) -> Result<()> {
+    match page {
+        Some(page) => page.write(command, body),
+        None => console.data(body),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `karui bench thesis`: the times of An's thesis, fig. 5.10, measured here.
 
-use super::page::{Page, machine};
+use super::page::{Page, machine, tell};
 use crate::console::Console;
 use crate::input;
 use crate::progress::check_cancelled;
@@ -8,8 +8,8 @@ use crate::table::{count, seconds, table};
 use anyhow::Result;
 use karui::render::Model;
 use karui::saliency::{
-    CurvatureOptions, Estimator, HybridOptions, MeshSaliencyOptions, Preset, curvature_sizes,
-    curvature_with, hybrid, mesh_saliency, multi_view,
+    CurvatureOptions, Estimator, HybridOptions, Preset, curvature_sizes, curvature_with, hybrid,
+    mesh_saliency, multi_view,
 };
 use karui::simplify::{SimplifyOptions, Stop, simplify};
 use karui::{Silent, TriMesh};
@@ -63,10 +63,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let name = args.input.file_name().unwrap_or_default().to_string_lossy();
     let markdown = markdown(&name, &rows);
-    match page {
-        Some(page) => page.write("karui bench thesis", &markdown)?,
-        None => console.data(&markdown)?,
-    }
+    tell(page, "karui bench thesis", &markdown, console)?;
     console.document(&rows)?;
     console.summary(&format!(
         "{} sizes; {}",
@@ -82,10 +79,7 @@ fn of_size(mesh: &TriMesh, triangles: usize) -> Result<Row> {
     };
     let mesh = simplify(mesh, &options)?.mesh;
     let estimator = Estimator::Taubin1995;
-    let shape = MeshSaliencyOptions {
-        estimator,
-        ..MeshSaliencyOptions::thesis2014()
-    };
+    let shape = Preset::Thesis2014.mesh().unwrap_or_default();
     let model = Model::of_mesh(&mesh);
     let views = Preset::Thesis2014.views().unwrap_or_default();
     let bends = curvature_sizes(&curvature_with(&mesh, &CurvatureOptions { estimator })?);

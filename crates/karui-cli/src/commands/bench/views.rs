@@ -1,6 +1,6 @@
 //! `karui bench views`: how many directions image saliency needs.
 
-use super::page::{Page, machine};
+use super::page::{Page, machine, tell};
 use crate::console::{Console, to_stderr};
 use crate::input;
 use crate::progress::check_cancelled;
@@ -53,10 +53,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         of_file(file, args, console, &mut rows)?;
     }
     let markdown = markdown(&rows);
-    match page {
-        Some(page) => page.write("karui bench views", &markdown)?,
-        None => console.data(&markdown)?,
-    }
+    tell(page, "karui bench views", &markdown, console)?;
     console.document(&rows)?;
     console.summary(&format!(
         "{} models; {}",

@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::page::Page;
+use super::page::{Page, tell};
 use crate::console::{Console, to_stderr};
 use crate::eye::{Eye, differences};
 use crate::failure::Failure;
@@ -93,10 +93,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         times.push(of_file.times);
     }
     let markdown = report::markdown(args.views, args.size, &rows, &times);
-    match page {
-        Some(page) => page.write("karui bench saliency", &markdown)?,
-        None => console.data(&markdown)?,
-    }
+    tell(page, "karui bench saliency", &markdown, console)?;
     console.document(&serde_json::json!({ "rows": rows, "times": times }))?;
     console.summary(&format!(
         "{} results of {} models; {}",
