@@ -6,6 +6,7 @@
 
 pub mod error;
 pub mod geom;
+pub mod hierarchy;
 pub mod lod;
 pub mod mesh;
 pub mod metrics;

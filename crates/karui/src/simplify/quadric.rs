@@ -23,6 +23,19 @@ pub struct Quadric {
 }
 
 impl Quadric {
+    /// The sum of no distances.
+    pub const ZERO: Self = Self {
+        xx: 0.0,
+        xy: 0.0,
+        xz: 0.0,
+        yy: 0.0,
+        yz: 0.0,
+        zz: 0.0,
+        b: DVec3::ZERO,
+        c: 0.0,
+        weight: 0.0,
+    };
+
     /// `weight` times the squared distance to the plane `normal . x = offset`;
     /// `normal` has unit length.
     #[must_use]
