@@ -154,6 +154,14 @@ pub enum Error {
         /// What is wrong there.
         problem: &'static str,
     },
+    /// Bytes that are no hierarchy.
+    #[error("hierarchy, byte {at}: {problem}")]
+    BadHierarchy {
+        /// Number of the byte.
+        at: usize,
+        /// What is wrong there.
+        problem: &'static str,
+    },
     /// The [`Progress`](crate::Progress) observer asked to stop.
     #[error("cancelled")]
     Cancelled,

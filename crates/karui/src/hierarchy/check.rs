@@ -6,19 +6,27 @@ use super::surface::{NONE, REVERSED};
 use crate::error::{Error, Result};
 
 impl Hierarchy {
-    /// Checks that all ids are in range, that the order of the nodes agrees with
-    /// what waits for what, and that the bounds of a node hold those of its
-    /// children. What passes can be cut without a panic.
+    /// Checks that all ids are in range, that the bounds of a node hold those of
+    /// its children, that all collapses can be done in their order, and that each
+    /// waits for those that it needs. What passes can be cut.
     ///
     /// # Errors
     /// [`Error::Broken`] naming the node or half-edge.
     pub fn validate(&self) -> Result<()> {
         self.check_surface()?;
-        (0..self.nodes.len()).try_for_each(|id| self.check_node(id))
+        let first = self
+            .nodes
+            .first()
+            .map_or(self.dependents.len(), |n| n.first_dependent as usize);
+        ensure(first == 0, "every dependent is some node's", 0)?;
+        (0..self.nodes.len()).try_for_each(|id| self.check_node(id))?;
+        self.check_order()
     }
 
     fn check_surface(&self) -> Result<()> {
         let halves = &self.surface.halves;
+        let ascending = self.triangle_of_face.windows(2).find(|w| w[0] >= w[1]);
+        ensure(ascending.is_none(), "faces are in order", 0)?;
         let faces = self.triangle_of_face.len();
         ensure(halves.len() == 3 * faces, "a face has three corners", faces)?;
         ensure(
@@ -37,7 +45,8 @@ impl Hierarchy {
             let other_face = half.opposite as usize / 3 != h / 3;
             ensure(other_face, "halves are of two faces", h)?;
         }
-        Ok(())
+        let wrong = (0..faces).find(|&f| !self.surface.is_proper(f as u32));
+        ensure(wrong.is_none(), "corners differ", wrong.unwrap_or_default())
     }
 
     fn check_node(&self, id: usize) -> Result<()> {
@@ -45,6 +54,10 @@ impl Hierarchy {
         let h = node.half_edge & !REVERSED;
         let halves = self.surface.halves.len() as u32;
         ensure(h < halves, "a node has a half-edge", id)?;
+        let cover = &node.cover;
+        let finite = cover.center.is_finite() && cover.radius.is_finite();
+        let sound = finite && cover.radius >= 0.0 && cover.sine >= 0.0;
+        ensure(sound, "bounds are finite", id)?;
         let parent = node.parent as usize;
         ensure(
             node.parent == NONE || (parent > id && parent < self.nodes.len()),
@@ -58,6 +71,8 @@ impl Hierarchy {
                 id,
             )?;
         }
+        let [first, second] = node.children;
+        ensure(first != second || first == NONE, "children differ", id)?;
         for &child in node.children.iter().filter(|&&c| c != NONE) {
             ensure((child as usize) < id, "a child comes earlier", id)?;
             let child = &self.nodes[child as usize];
@@ -99,7 +114,7 @@ fn holds(outer: &Node, inner: &Node) -> bool {
     in_sphere && in_cone
 }
 
-fn ensure(holds: bool, rule: &'static str, index: usize) -> Result<()> {
+pub(super) fn ensure(holds: bool, rule: &'static str, index: usize) -> Result<()> {
     if holds {
         return Ok(());
     }

@@ -9,20 +9,25 @@
 //!   guaranteed image quality, 1999 (lights).
 
 mod build;
+mod bytes;
 mod check;
 mod criteria;
 mod cut;
 mod facing;
 mod node;
 mod options;
+mod order;
 mod surface;
 
+pub use bytes::checksum;
 pub use criteria::{Criteria, Keep, Prepared, Silhouette, Vantage, ViewAndLight};
 pub use cut::{Budget, Change, Cut};
 pub use node::Bounds;
 pub use options::{BuildCounts, HierarchyOptions};
 
 use crate::geom::Aabb;
+use crate::mesh::TriMesh;
+use bytemuck::cast_slice;
 use node::Node;
 use surface::{NONE, Surface};
 
@@ -64,7 +69,26 @@ pub struct Hierarchy {
     dependents: Vec<u32>,
     /// Box around the mesh.
     bounds: Aabb,
+    mesh: MeshHash,
     counts: BuildCounts,
+}
+
+/// Tells one mesh from another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct MeshHash {
+    triangles: u64,
+    positions: u64,
+}
+
+impl MeshHash {
+    fn of(mesh: &TriMesh) -> Self {
+        let little =
+            |words: &[u32]| -> Vec<u8> { words.iter().flat_map(|w| w.to_le_bytes()).collect() };
+        Self {
+            triangles: checksum(&little(mesh.triangles.as_flattened())),
+            positions: checksum(&little(cast_slice(&mesh.positions))),
+        }
+    }
 }
 
 impl Hierarchy {
@@ -84,6 +108,12 @@ impl Hierarchy {
     #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.vertices
+    }
+
+    /// Whether it was built from this mesh: the same triangles and positions.
+    #[must_use]
+    pub fn is_of(&self, mesh: &TriMesh) -> bool {
+        mesh.positions.len() == self.vertices && self.mesh == MeshHash::of(mesh)
     }
 
     /// Box around the mesh, model units.

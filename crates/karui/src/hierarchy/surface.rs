@@ -109,32 +109,34 @@ impl Moves {
 /// that stay, in order around it. The same before and after the collapse. There
 /// is one at least: a vertex with no other face is never removed.
 #[derive(Debug, Clone, Copy)]
-struct Fan {
+pub(super) struct Fan {
     at: u32,
     last: u32,
     forward: bool,
 }
 
 impl Fan {
-    fn new(surface: &Surface, sides: Sides) -> Self {
-        let of = |h: u32| surface.opposite(h);
+    /// Nothing where the hidden faces are all there are.
+    #[inline]
+    pub fn new(surface: &Surface, sides: Sides) -> Option<Self> {
         let right = match sides.right {
             NONE => NONE,
-            right => of(next(right)),
+            right => surface.opposite(next(right)),
         };
-        let (at, forward) = match sides.left {
-            NONE => (next(right), false),
-            left => (of(prev(left)), true),
+        let (at, forward) = match (sides.left, right) {
+            (NONE, NONE) => return None,
+            (NONE, right) => (next(right), false),
+            (left, _) => (surface.opposite(prev(left)), true),
         };
-        Self {
+        (at != NONE).then_some(Self {
             at,
             last: right,
             forward,
-        }
+        })
     }
 
     #[inline]
-    fn next(&mut self, surface: &Surface) -> Option<u32> {
+    pub fn next(&mut self, surface: &Surface) -> Option<u32> {
         let at = self.at;
         if at == NONE {
             return None;
@@ -174,6 +176,12 @@ impl Surface {
         [0, 1, 2].map(|k| self.start(3 * face + k))
     }
 
+    /// Whether the corners of a face differ.
+    pub fn is_proper(&self, face: u32) -> bool {
+        let [a, b, c] = self.corners(face);
+        a != b && b != c && c != a
+    }
+
     /// The faces on both sides of a node's half-edge.
     #[inline]
     pub fn sides(&self, half_edge: u32) -> Sides {
@@ -204,7 +212,7 @@ impl Surface {
         let sides = self.sides(half_edge);
         let moves = self.moves(sides);
         let mut fan = Fan::new(self, sides);
-        while let Some(c) = fan.next(self) {
+        while let Some(c) = fan.as_mut().and_then(|f| f.next(self)) {
             let corner = &mut self.halves[c as usize].start;
             *corner = moves.kept(*corner);
             moved(c, *corner);
@@ -224,7 +232,7 @@ impl Surface {
         let sides = self.sides(half_edge);
         let moves = self.moves(sides);
         let mut fan = Fan::new(self, sides);
-        while let Some(c) = fan.next(self) {
+        while let Some(c) = fan.as_mut().and_then(|f| f.next(self)) {
             let corner = &mut self.halves[c as usize].start;
             *corner = moves.removed(*corner);
             moved(c, *corner);

@@ -9,7 +9,7 @@ mod record;
 
 use super::options::HierarchyOptions;
 use super::surface::NONE;
-use super::{Hierarchy, options::BuildCounts};
+use super::{Hierarchy, MeshHash, options::BuildCounts};
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::progress::step;
@@ -56,6 +56,7 @@ impl Hierarchy {
             nodes: Vec::new(),
             dependents: Vec::new(),
             bounds: mesh.bounds(),
+            mesh: MeshHash::of(mesh),
             counts: BuildCounts::default(),
         };
         step(options.progress, "price", 0.0)?;
