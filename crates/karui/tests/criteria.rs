@@ -25,6 +25,7 @@ fn nothing() -> ViewAndLight {
         flatness: 0.0,
         light_silhouette: Silhouette::Ignored,
         highlight: 0.0,
+        highlight_area: 0.0,
     }
 }
 
@@ -225,6 +226,17 @@ fn seventh_a_highlight_is_kept() {
             keeps(&criteria, node([0.0; 3], 1e-6, at_angle(degrees), 5.0)),
             kept,
             "{degrees}"
+        );
+    }
+    // Down to an area: a sphere of 0.1 units covers 78.5 square pixels.
+    for (highlight_area, kept) in [(78.0, true), (79.0, false)] {
+        let criteria = ViewAndLight {
+            highlight_area,
+            ..criteria.clone()
+        };
+        assert_eq!(
+            keeps(&criteria, node([0.0; 3], 0.1, at_angle(30.0), 5.0)),
+            kept
         );
     }
     // What faces away from the light has none.

@@ -6,7 +6,7 @@ mod screen;
 mod simplify;
 
 pub use metric::MetricArgs;
-pub use picture::PictureArgs;
+pub use picture::{PictureArgs, size};
 pub use screen::ScreenArgs;
 pub use simplify::SimplifyArgs;
 

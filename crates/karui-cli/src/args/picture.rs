@@ -156,7 +156,8 @@ fn step_back(camera: &mut Camera, fov_y: f64, narrow: f64) {
     camera.eye = camera.target + (camera.eye - camera.target) * farther as f32;
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+/// One number for both sides, or `WIDTHxHEIGHT`.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| match text.parse::<u64>() {
         Ok(n) if (1..=u64::from(MAX_SIDE)).contains(&n) => Ok(n as u32),
         Ok(n) => Err(format!("{n} pixels; a side has 1 to {MAX_SIDE}")),

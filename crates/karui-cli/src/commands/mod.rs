@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod completions;
 mod convert;
+mod hierarchy;
 mod info;
 mod lod;
 mod man;
@@ -25,6 +26,7 @@ pub enum Command {
     Simplify(simplify::Args),
     Replay(replay::Args),
     Saliency(saliency::Args),
+    Hierarchy(hierarchy::Args),
     Info(info::Args),
     Measure(measure::Args),
     Compare(compare::Args),
@@ -43,6 +45,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Simplify(args) => simplify::run(&args, console),
         Command::Replay(args) => replay::run(&args, console),
         Command::Saliency(args) => saliency::run(&args, console),
+        Command::Hierarchy(args) => hierarchy::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),

@@ -102,7 +102,7 @@ impl Replay<'_> {
         ensure(start.is_some(), "a vertex has another face", at)?;
         self.fan.clear();
         let removed = [moves.left[0], moves.right[0]];
-        for mut fan in start {
+        if let Some(mut fan) = start {
             while let Some(c) = fan.next(&self.surface) {
                 let known = there(c) && removed.contains(&self.surface.start(c));
                 ensure(known, "faces around a vertex are there", at)?;

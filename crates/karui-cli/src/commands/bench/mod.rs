@@ -4,7 +4,7 @@ mod child;
 mod clock;
 mod models;
 mod one;
-mod page;
+pub(super) mod page;
 mod saliency;
 mod simplify;
 mod thesis;

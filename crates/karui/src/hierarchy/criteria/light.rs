@@ -14,6 +14,8 @@ pub(super) struct LightTests {
     silhouette: Option<f64>,
     /// Sine and cosine of rho; none if test 7 is off.
     highlight: Option<[f64; 2]>,
+    /// Least sine of what is seen at which test 7 keeps.
+    least: f64,
     /// What a light's turn by a radian counts as.
     size: f64,
 }
@@ -27,7 +29,12 @@ enum Lamp {
 }
 
 impl LightTests {
-    pub fn new(lights: &[Light], silhouette: Option<f64>, rho: f64, size: f64) -> Result<Self> {
+    pub fn new(
+        lights: &[Light],
+        silhouette: Option<f64>,
+        (rho, least): (f64, f64),
+        size: f64,
+    ) -> Result<Self> {
         let highlight = (rho > 0.0).then(|| of_degrees(rho));
         let needed = silhouette.is_some() || highlight.is_some();
         let lit = lights.iter().filter(|_| needed);
@@ -37,6 +44,7 @@ impl LightTests {
                 .collect::<Result<_>>()?,
             silhouette,
             highlight,
+            least,
             size,
         })
     }
@@ -72,18 +80,24 @@ impl LightTests {
                 way: inside,
             };
         };
-        let (facing, mut way) = facing(bounds, &lit);
-        if facing == Facing::Away {
+        let turn = facing(bounds, &lit);
+        let mut way = turn.way;
+        if turn.facing == Facing::Away {
             return Answer { yes: false, way };
         }
-        if let (Facing::Across, Some(least)) = (facing, self.silhouette) {
+        if let (Facing::Across, Some(least)) = (turn.facing, self.silhouette) {
             let large = large_enough(seen, sight, least);
             way = way.min(large.way);
             if large.yes {
                 return Answer { yes: true, way };
             }
         }
-        self.has_highlight(bounds, sight, &lit).within(way)
+        let large = large_enough(seen, sight, self.least);
+        if !large.yes {
+            return large.within(way);
+        }
+        let lit = self.has_highlight(bounds, sight, &lit);
+        lit.within(way).within(large.way)
     }
 
     /// Test 7 for all normals in the cone: a normal that turns by an angle turns
@@ -122,7 +136,9 @@ impl LightTests {
                 .push(f64::from(u8::from(matches!(lamp, Lamp::Far(_)))));
         }
         let none = -1.0;
-        vantage.rest.push(self.silhouette.unwrap_or(none));
+        vantage
+            .rest
+            .extend([self.silhouette.unwrap_or(none), self.least]);
         vantage.rest.extend(self.highlight.unwrap_or([none; 2]));
     }
 }

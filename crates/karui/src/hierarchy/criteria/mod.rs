@@ -81,8 +81,8 @@ pub enum Silhouette {
 /// keep what the view alone would give up, and after what cannot be seen.
 ///
 /// Defaults: all of it seen at 1920 x 1080 pixels, no lights, `area` 25 (a square
-/// of 5 pixels), `flatness` 3 degrees, silhouettes kept down to 4 square pixels,
-/// highlights within 30 degrees.
+/// of 5 pixels), `flatness` 3 degrees, silhouettes and
+/// highlights (within 30 degrees) kept down to 4 square pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewAndLight {
     /// Where it is looked at from.
@@ -108,6 +108,9 @@ pub struct ViewAndLight {
     /// Test 7, rho: degrees between the mirrored direction to a light and the
     /// direction to the eye. 0 turns it off.
     pub highlight: f64,
+    /// Least area on the screen, square pixels, at which test 7 keeps; 0 as
+    /// published.
+    pub highlight_area: f64,
 }
 
 impl Default for ViewAndLight {
@@ -131,6 +134,7 @@ impl Default for ViewAndLight {
             flatness: 3.0,
             light_silhouette: least,
             highlight: 30.0,
+            highlight_area: 4.0,
         }
     }
 }
@@ -154,6 +158,8 @@ impl Criteria for ViewAndLight {
         in_range("area", self.area, f64::INFINITY)?;
         in_range("flatness", self.flatness, 90.0)?;
         in_range("highlight", self.highlight, 180.0)?;
+        in_range("highlight_area", self.highlight_area, f64::INFINITY)?;
+        let highlight = |view: &view::View| (self.highlight, view.sine_of(self.highlight_area));
         let view = view::View::new(&self.camera, self.size, self.frustum, bounds)?;
         let least = |name, s| match s {
             Silhouette::Ignored => Ok(None),
@@ -167,7 +173,7 @@ impl Criteria for ViewAndLight {
             silhouette: least("silhouette.area", self.silhouette)?,
             least: view.sine_of(self.area),
             flat: view::of_degrees(self.flatness)[0],
-            lights: LightTests::new(&self.lights, of_lights, self.highlight, view.size)?,
+            lights: LightTests::new(&self.lights, of_lights, highlight(&view), view.size)?,
             view,
         })
     }
@@ -186,13 +192,20 @@ impl Prepared {
             let way = self.view.way_out(bounds).min(outside.way);
             return Answer { yes: true, way };
         };
-        let (facing, way) = facing(bounds, &sight);
-        let way = way.min(outside.way);
-        if facing == Facing::Away && self.back_facing {
+        let turn = facing(bounds, &sight);
+        if turn.facing == Facing::Away && self.back_facing {
+            let way = turn.way.min(outside.way);
             return Answer { yes: false, way };
         }
-        let mut answer = Answer::always(false).within(way);
-        if let (Facing::Across, Some(least)) = (facing, self.silhouette) {
+        // Whatever is large and curved is kept by the last test at the latest, so
+        // that no other needs to be asked.
+        let large = large_enough(&seen, &sight, self.least).within(outside.way);
+        let curved = bounds.spread.is_none_or(|[sine, _]| sine >= self.flat);
+        if large.yes && curved {
+            return large.within(turn.way_to_away);
+        }
+        let mut answer = large.and(false).within(turn.way);
+        if let (Facing::Across, Some(least)) = (turn.facing, self.silhouette) {
             let large = large_enough(&seen, &sight, least);
             answer = answer.within(large.way);
             if large.yes {
@@ -200,15 +213,7 @@ impl Prepared {
             }
         }
         let lit = self.lights.keep(bounds, &sight, &seen);
-        if lit.yes {
-            return lit.within(answer.way);
-        }
-        let large = large_enough(&seen, &sight, self.least);
-        let curved = bounds.spread.is_none_or(|[sine, _]| sine >= self.flat);
-        large
-            .within(lit.way)
-            .within(answer.way)
-            .and(large.yes && curved)
+        answer.within(lit.way).and(lit.yes)
     }
 }
 

@@ -108,6 +108,10 @@ impl Answer {
     }
 }
 
+/// Answers hold for no more than this share of the way to a sphere: the rates are
+/// those at its end.
+const STEP: f64 = 0.1;
+
 /// A sphere seen from a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sight {
@@ -134,7 +138,7 @@ impl Sight {
         }
         let by_distance = 1.0 / distance;
         let sine = radius * by_distance;
-        let way = 0.5 * (distance - radius);
+        let way = STEP * (distance - radius);
         // No closer than this.
         let least = distance - way;
         Some(Self {

@@ -175,29 +175,47 @@ pub(super) enum Facing {
     Across,
 }
 
+/// How all normals of a node lie to where it is seen from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Turn {
+    pub facing: Facing,
+    /// The way for which that holds.
+    pub way: f64,
+    /// The way before all face away.
+    pub way_to_away: f64,
+}
+
 /// Tests 2, 3 and 6: how all normals in the cone lie to all directions in which
-/// a point is seen from the sphere, and the way for which that holds.
+/// a point is seen from the sphere.
 #[inline]
-pub(super) fn facing(bounds: &Bounds, sight: &Sight) -> (Facing, f64) {
+pub(super) fn facing(bounds: &Bounds, sight: &Sight) -> Turn {
+    let across = |way: f64| Turn {
+        facing: Facing::Across,
+        way,
+        way_to_away: way,
+    };
     let Some(spread) = bounds.spread else {
-        return (Facing::Across, sight.way);
+        return across(sight.way);
     };
     let [sine, cosine] = sum(spread, sight.extent);
     // Together a right angle or more: every direction is among them.
     if cosine <= 0.0 {
         let answer = Answer::of(cosine, sight.growth);
-        return (Facing::Across, answer.way.min(sight.way));
+        return across(answer.way.min(sight.way));
     }
     let along = bounds.axis.dot(sight.toward);
-    let rate = sight.turn + sight.growth;
-    let gap = (along.abs() - sine).abs();
-    let way = (gap / rate).min(cosine / rate).min(sight.way);
+    let by_rate = 1.0 / (sight.turn + sight.growth);
+    let limit = (cosine * by_rate).min(sight.way);
     let facing = match along {
         _ if along > sine => Facing::Toward,
         _ if along < -sine => Facing::Away,
         _ => Facing::Across,
     };
-    (facing, way)
+    Turn {
+        facing,
+        way: ((along.abs() - sine).abs() * by_rate).min(limit),
+        way_to_away: ((along + sine).abs() * by_rate).min(limit),
+    }
 }
 
 /// Sine and cosine of the sum of two angles.
