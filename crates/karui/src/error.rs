@@ -139,9 +139,9 @@ pub enum Error {
         /// Largest number accepted.
         limit: usize,
     },
-    /// A mesh that a collapse log is to be played on is not of the log's
+    /// A mesh is not the one that a collapse log or a cluster DAG is of: not of its
     /// connectivity.
-    #[error("the log is of another mesh: its {what} differs")]
+    #[error("this is of another mesh: its {what} differs")]
     OtherMesh {
         /// What differs, e.g. `number of vertices`.
         what: &'static str,
@@ -158,6 +158,14 @@ pub enum Error {
     #[error("hierarchy, byte {at}: {problem}")]
     BadHierarchy {
         /// Number of the byte.
+        at: usize,
+        /// What is wrong there.
+        problem: &'static str,
+    },
+    /// A cluster DAG that was read does not hold together.
+    #[error("cluster DAG, {at}: {problem}")]
+    BadClusters {
+        /// Byte, or number of the cluster or group.
         at: usize,
         /// What is wrong there.
         problem: &'static str,

@@ -11,6 +11,7 @@
 mod build;
 mod bytes;
 mod check;
+pub mod cluster;
 mod criteria;
 mod cut;
 mod facing;

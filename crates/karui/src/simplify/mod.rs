@@ -41,6 +41,7 @@ pub use options::{
 };
 pub use prune::{PruneOptions, Pruned, prune};
 pub use quadric::Quadric;
+pub(crate) use wedges::{Normals, classes};
 
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;

@@ -52,7 +52,7 @@ pub(crate) fn prepare(mesh: &TriMesh) -> Prepared {
 }
 
 /// What stands for every vertex, and what becomes of the normals.
-pub(super) fn classes(mesh: &TriMesh, ids: &PositionIds) -> (Classes, Normals) {
+pub(crate) fn classes(mesh: &TriMesh, ids: &PositionIds) -> (Classes, Normals) {
     let whole = Classes::of(mesh, ids, false);
     if mesh.attributes.normals.is_none() && mesh.attributes.tangents.is_none() {
         return (whole, Normals::Kept);
@@ -66,7 +66,7 @@ pub(super) fn classes(mesh: &TriMesh, ids: &PositionIds) -> (Classes, Normals) {
 }
 
 /// Vertices grouped by position and attributes; the first stands for all.
-pub(super) struct Classes {
+pub(crate) struct Classes {
     pub of_vertex: Vec<u32>,
     count: usize,
 }

@@ -139,11 +139,20 @@ impl Bvh {
     /// As [`Bvh::closest`], faster if the triangle at `slot` of the leaf order
     /// is close.
     pub(crate) fn closest_from(&self, point: DVec3, slot: u32) -> Hit {
+        self.closest_or_within(point, slot, -1.0)
+    }
+
+    /// Some point of the surface whose squared distance is at most `enough`;
+    /// the nearest if there is none.
+    pub(crate) fn closest_or_within(&self, point: DVec3, slot: u32, enough: f64) -> Hit {
         let slot = slot.min(self.order.len() as u32 - 1);
         let mut search = Search::new(self, point, slot);
         let mut stack = Stack::new();
         stack.push((0.0, 0));
         while let Some((distance, child)) = stack.pop() {
+            if search.distance_squared <= enough {
+                break;
+            }
             if distance > search.bound {
                 continue;
             }
