@@ -14,14 +14,14 @@ pub(super) fn encode(n: DVec3) -> u32 {
     bits(folded.x) | bits(folded.y) << 16
 }
 
-/// The unit vector that was meant, to 1e-4.
+/// The unit vector that was meant, to 1e-4; exact in single precision.
 #[inline]
 pub(super) fn decode(code: u32) -> DVec3 {
     let coordinate = |bits: u32| f64::from(bits as u16 as i16) * (1.0 / STEPS);
     let flat = DVec2::new(coordinate(code), coordinate(code >> 16));
     let z = 1.0 - flat.x.abs() - flat.y.abs();
     let unfolded = if z < 0.0 { fold(flat) } else { flat };
-    unfolded.extend(z).normalize()
+    unfolded.extend(z).normalize().as_vec3().as_dvec3()
 }
 
 #[inline]
@@ -49,14 +49,14 @@ mod tests {
             -DVec3::Y,
             -DVec3::Z,
         ] {
-            assert!(decode(encode(d)).distance(d) < 1e-9, "{d}");
+            assert!(decode(encode(d)).distance(d) < 1e-7, "{d}");
         }
     }
 
     #[test]
     fn any_code_is_a_unit_vector() {
         for code in (0..u32::MAX).step_by(65_521) {
-            assert!((decode(code).length() - 1.0).abs() < 1e-9, "{code}");
+            assert!((decode(code).length() - 1.0).abs() < 1e-7, "{code}");
         }
     }
 }

@@ -46,6 +46,34 @@ pub struct Bounds {
     pub spread: Option<[f64; 2]>,
 }
 
+/// A [`Cover`] that is quicker to use.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Unpacked {
+    center: Vec3,
+    radius: f32,
+    axis: Vec3,
+    sine: f32,
+}
+
+impl Unpacked {
+    /// The very same as [`Cover::bounds`].
+    #[inline]
+    pub fn bounds(&self) -> Bounds {
+        Bounds {
+            center: self.center.as_dvec3(),
+            radius: f64::from(self.radius),
+            axis: self.axis.as_dvec3(),
+            spread: spread(self.sine),
+        }
+    }
+}
+
+#[inline]
+fn spread(sine: f32) -> Option<[f64; 2]> {
+    let sine = f64::from(sine);
+    (sine <= 1.0).then(|| [sine, (1.0 - sine * sine).sqrt()])
+}
+
 /// Stands for "no cone" among sines.
 const ANY: f32 = 2.0;
 
@@ -53,12 +81,16 @@ impl Cover {
     /// What it covers, in the precision that decides.
     #[inline]
     pub fn bounds(&self) -> Bounds {
-        let sine = f64::from(self.sine);
-        Bounds {
-            center: self.center.as_dvec3(),
-            radius: f64::from(self.radius),
-            axis: decode(self.axis),
-            spread: (sine <= 1.0).then(|| [sine, (1.0 - sine * sine).sqrt()]),
+        self.unpacked().bounds()
+    }
+
+    #[inline]
+    pub fn unpacked(&self) -> Unpacked {
+        Unpacked {
+            center: self.center,
+            radius: self.radius,
+            axis: decode(self.axis).as_vec3(),
+            sine: self.sine,
         }
     }
 }

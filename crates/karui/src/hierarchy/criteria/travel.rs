@@ -138,15 +138,12 @@ impl Sight {
         }
         let by_distance = 1.0 / distance;
         let sine = radius * by_distance;
-        let way = STEP * (distance - radius);
-        // No closer than this.
-        let least = distance - way;
         Some(Self {
             toward: offset * by_distance,
             extent: [sine, (1.0 - sine * sine).sqrt()],
-            turn: 1.0 / least,
-            growth: radius / (least * (least * least - radius * radius).sqrt()),
-            way,
+            turn: by_distance * (1.0 / (1.0 - STEP)),
+            growth: growth(radius, sine, by_distance, distance),
+            way: STEP * (distance - radius),
         })
     }
 
@@ -161,4 +158,19 @@ impl Sight {
             way: f64::INFINITY,
         }
     }
+}
+
+/// How fast the angle changes at most that a sphere is seen under, up to `STEP` of
+/// the way to it: the derivative of `asin(radius / distance)`, there.
+#[inline]
+fn growth(radius: f64, sine: f64, by_distance: f64, distance: f64) -> f64 {
+    // Where a sphere is small its cosine is close to 1 and need not be found: that
+    // of 0.5 at 0.9 of the distance is 0.83.
+    const SMALL: f64 = 0.5;
+    const BY_SQUARE: f64 = 1.5;
+    if sine < SMALL {
+        return BY_SQUARE * sine * by_distance;
+    }
+    let least = distance - STEP * (distance - radius);
+    radius / (least * (least * least - radius * radius).sqrt())
 }

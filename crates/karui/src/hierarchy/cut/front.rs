@@ -1,6 +1,6 @@
 //! The nodes that can be the next to change, and when each is to be asked again.
 
-use crate::hierarchy::node::{Bounds, Cover};
+use crate::hierarchy::node::{Bounds, Cover, Unpacked};
 use crate::hierarchy::surface::NONE;
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ pub(super) struct Front {
     nodes: Vec<u32>,
     due: Vec<f64>,
     /// What the nodes cover, here so that it is read in order.
-    covers: Vec<Cover>,
+    covers: Vec<Unpacked>,
 }
 
 impl Front {
@@ -32,7 +32,7 @@ impl Front {
         place[node as usize] = self.nodes.len() as u32;
         self.nodes.push(node);
         self.due.push(f64::NEG_INFINITY);
-        self.covers.push(cover);
+        self.covers.push(cover.unpacked());
     }
 
     /// Takes a node out.
@@ -63,14 +63,10 @@ impl Front {
     pub fn ask<T: Send>(&self, now: f64, answer: impl Fn(&Bounds) -> T + Sync) -> Vec<(u32, T)> {
         let batch = |first: usize| {
             let end = (first + BATCH).min(self.len());
-            let mut answers = Vec::new();
-            for at in first..end {
-                if self.due[at] <= now {
-                    let answer = answer(&self.covers[at].bounds());
-                    answers.push((self.nodes[at], answer));
-                }
-            }
-            answers
+            let dues = self.due[first..end].iter().enumerate();
+            let at = dues.filter(|d| *d.1 <= now).map(|d| first + d.0);
+            at.map(|at| (self.nodes[at], answer(&self.covers[at].bounds())))
+                .collect::<Vec<_>>()
         };
         if self.len() <= BATCH {
             return batch(0);
