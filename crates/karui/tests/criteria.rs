@@ -26,6 +26,7 @@ fn nothing() -> ViewAndLight {
         light_silhouette: Silhouette::Ignored,
         highlight: 0.0,
         highlight_area: 0.0,
+        hysteresis: 1.0,
     }
 }
 

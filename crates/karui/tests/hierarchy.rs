@@ -2,7 +2,8 @@
 
 use karui::geom::{Aabb, Camera, Light, Vec3};
 use karui::hierarchy::{
-    Bounds, Budget, Criteria, Cut, Hierarchy, HierarchyOptions, Keep, Silhouette, ViewAndLight,
+    Bounds, Budget, Criteria, Cut, Gliding, Hierarchy, HierarchyOptions, Keep, Silhouette,
+    ViewAndLight,
 };
 use karui::mesh::{Halfedge, PositionIds, RepairOptions, TriMesh, repair, shapes};
 use karui::{Error, Result};
@@ -352,6 +353,71 @@ fn ranges_tell_all_that_is_new() {
     assert_eq!(again.ranges, []);
 }
 
+/// Where a threshold is met, what is there stays.
+#[test]
+fn hysteresis_keeps_what_is_there() {
+    let mesh = shapes::icosphere(5);
+    let hierarchy = Hierarchy::build(&mesh, &HierarchyOptions::default()).unwrap();
+    let at = |hysteresis, nearer: f32| {
+        let mut criteria = ViewAndLight {
+            hysteresis,
+            lights: Vec::new(),
+            ..criteria(mesh.bounds(), 0)
+        };
+        criteria.camera.eye *= nearer;
+        criteria
+    };
+    let changes = |hysteresis| -> usize {
+        let mut cut = hierarchy.coarsest();
+        let to_and_fro = (0..20).map(|i| 1.0 + 0.02 * (i % 2) as f32);
+        let done = to_and_fro.map(|nearer| {
+            let change = cut
+                .refine(&at(hysteresis, nearer), Budget::UNLIMITED)
+                .unwrap();
+            cut.validate().unwrap();
+            change.splits + change.collapses
+        });
+        done.skip(2).sum()
+    };
+    assert!(changes(1.0) > 100);
+    assert_eq!(changes(1.5), 0);
+    // What is to be kept is there all the same.
+    let mut cut = hierarchy.coarsest();
+    let mut free = hierarchy.coarsest();
+    for nearer in [3.0, 1.0, 0.7, 2.0] {
+        let with = cut.refine(&at(1.5, nearer), Budget::UNLIMITED).unwrap();
+        let without = free.refine(&at(1.0, nearer), Budget::UNLIMITED).unwrap();
+        assert!(with.triangles >= without.triangles);
+    }
+}
+
+#[test]
+fn what_comes_back_glides_to_its_place() {
+    let mesh = shapes::icosphere(4);
+    let hierarchy = Hierarchy::build(&mesh, &HierarchyOptions::default()).unwrap();
+    let mut cut = hierarchy.coarsest();
+    let mut gliding = Gliding::over(4);
+    let weights = |g: &Gliding| g.glides().map(|g| g.weight).collect::<Vec<_>>();
+    cut.refine(&Lens(Vec3::X, 0.5), Budget::UNLIMITED).unwrap();
+    gliding.advance(&cut);
+    let came = cut.appeared().len();
+    assert_eq!(weights(&gliding), vec![0.0; came]);
+    for quarter in [0.25, 0.5, 0.75] {
+        cut.refine(&Lens(Vec3::X, 0.5), Budget::UNLIMITED).unwrap();
+        gliding.advance(&cut);
+        assert_eq!(weights(&gliding), vec![quarter; came]);
+    }
+    cut.refine(&Lens(Vec3::Y, 0.5), Budget::UNLIMITED).unwrap();
+    gliding.advance(&cut);
+    let used: BTreeSet<u32> = cut.indices().as_flattened().iter().copied().collect();
+    assert!(gliding.glides().count() > 0);
+    assert!(
+        gliding
+            .glides()
+            .all(|g| g.weight == 0.0 && used.contains(&g.vertex))
+    );
+}
+
 #[test]
 fn bad_cameras_lights_and_options_are_errors_and_change_nothing() {
     let mesh = shapes::icosphere(3);
@@ -359,7 +425,8 @@ fn bad_cameras_lights_and_options_are_errors_and_change_nothing() {
     let mut cut = hierarchy.coarsest();
     let before = cut.triangles();
     let good = criteria(mesh.bounds(), 0);
-    let damages: [fn(&mut ViewAndLight); 12] = [
+    let damages: [fn(&mut ViewAndLight); 13] = [
+        |c| c.hysteresis = 0.5,
         |c| c.camera.eye.x = f32::NAN,
         |c| c.camera.eye = c.camera.target,
         |c| c.camera.target.y = f32::INFINITY,

@@ -22,7 +22,7 @@ mod surface;
 
 pub use bytes::checksum;
 pub use criteria::{Criteria, Keep, Prepared, Silhouette, Vantage, ViewAndLight};
-pub use cut::{Budget, Change, Cut};
+pub use cut::{Budget, Change, Cut, Glide, Gliding};
 pub use node::Bounds;
 pub use options::{BuildCounts, HierarchyOptions};
 

@@ -26,6 +26,9 @@ pub struct CriteriaArgs {
     /// Keep highlights down to this area, square pixels
     #[arg(long, value_name = "PX2", default_value_t = 4.0, value_parser = at_least_zero)]
     highlight_area: f64,
+    /// Detail that is there stays until it would go were it larger by this factor
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    hysteresis: f64,
     /// Also keep what is outside the picture
     #[arg(long)]
     no_frustum: bool,
@@ -52,6 +55,7 @@ impl CriteriaArgs {
             light_silhouette: self.light_silhouette,
             highlight: self.highlight,
             highlight_area: self.highlight_area,
+            hysteresis: self.hysteresis,
         }
     }
 }
@@ -73,6 +77,11 @@ fn degrees(text: &str) -> Result<f64, String> {
 
 fn half_turn(text: &str) -> Result<f64, String> {
     within(text, 180.0)
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| (1.0..1e9).contains(x));
+    number.ok_or_else(|| "expected a number of 1 or more".to_owned())
 }
 
 fn within(text: &str, most: f64) -> Result<f64, String> {

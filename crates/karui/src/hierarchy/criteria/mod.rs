@@ -44,6 +44,13 @@ pub trait Keep: Sync {
         (self.keep(bounds), 0.0)
     }
 
+    /// As [`Keep::keep_for`], but whether a vertex that is there may stay. What is
+    /// to be kept may always stay; if more may, the mesh depends on the path, and
+    /// does not change to and fro where a threshold is met.
+    fn stay_for(&self, bounds: &Bounds) -> (bool, f64) {
+        self.keep_for(bounds)
+    }
+
     /// What the answers depend on; `None` has every node asked every frame.
     fn vantage(&self) -> Option<Vantage> {
         None
@@ -111,6 +118,11 @@ pub struct ViewAndLight {
     /// Least area on the screen, square pixels, at which test 7 keeps; 0 as
     /// published.
     pub highlight_area: f64,
+    /// Detail that is there stays until it would go were its sphere larger by this
+    /// factor, 1 or more, and its cone wider by a tenth of a radian for every 1
+    /// beyond 1. The default is 1: none, so that the mesh does not depend on the
+    /// path. [`Budget`](super::Budget)s in triangles or time do without.
+    pub hysteresis: f64,
 }
 
 impl Default for ViewAndLight {
@@ -135,6 +147,7 @@ impl Default for ViewAndLight {
             light_silhouette: least,
             highlight: 30.0,
             highlight_area: 4.0,
+            hysteresis: 1.0,
         }
     }
 }
@@ -149,12 +162,26 @@ pub struct Prepared {
     least: f64,
     flat: f64,
     lights: LightTests,
+    /// Factor to the radius of what is there, and sine of what its cone gains.
+    larger: f64,
+    wider: f64,
 }
+
+/// Sine of the angle that a cone gains for every 1 that hysteresis is beyond 1.
+const HYSTERESIS_ANGLE: f64 = 0.1;
 
 impl Criteria for ViewAndLight {
     type Frame = Prepared;
 
     fn frame(&self, bounds: Aabb) -> Result<Prepared> {
+        let factor = self.hysteresis;
+        if !(1.0..f64::INFINITY).contains(&factor) {
+            return Err(Error::BadOption {
+                option: "hysteresis",
+                found: factor.to_string(),
+                expected: "1 or more",
+            });
+        }
         in_range("area", self.area, f64::INFINITY)?;
         in_range("flatness", self.flatness, 90.0)?;
         in_range("highlight", self.highlight, 180.0)?;
@@ -169,6 +196,8 @@ impl Criteria for ViewAndLight {
         };
         let of_lights = least("light_silhouette.area", self.light_silhouette)?;
         Ok(Prepared {
+            larger: factor,
+            wider: (HYSTERESIS_ANGLE * (factor - 1.0)).min(1.0),
             back_facing: self.back_facing,
             silhouette: least("silhouette.area", self.silhouette)?,
             least: view.sine_of(self.area),
@@ -217,6 +246,26 @@ impl Prepared {
     }
 }
 
+impl Prepared {
+    fn answer_for(&self, bounds: &Bounds) -> (bool, f64) {
+        let answer = self.answer(bounds);
+        // A little less, for what rounding may have added.
+        (answer.yes, answer.way * (1.0 - 1e-6))
+    }
+
+    /// Bounds as hysteresis has them.
+    fn inflated(&self, bounds: &Bounds) -> Bounds {
+        let gain = [self.wider, (1.0 - self.wider * self.wider).sqrt()];
+        let wider = |spread| view::sum(spread, gain);
+        Bounds {
+            radius: bounds.radius * self.larger,
+            // Beyond a right angle it is no cone any more.
+            spread: bounds.spread.map(wider).filter(|s| s[1] >= 0.0),
+            ..*bounds
+        }
+    }
+}
+
 impl Keep for Prepared {
     #[inline]
     fn keep(&self, bounds: &Bounds) -> bool {
@@ -229,9 +278,15 @@ impl Keep for Prepared {
 
     #[inline]
     fn keep_for(&self, bounds: &Bounds) -> (bool, f64) {
-        let answer = self.answer(bounds);
-        // A little less, for what rounding may have added.
-        (answer.yes, answer.way * (1.0 - 1e-6))
+        self.answer_for(bounds)
+    }
+
+    #[inline]
+    fn stay_for(&self, bounds: &Bounds) -> (bool, f64) {
+        match self.larger > 1.0 {
+            true => self.answer_for(&self.inflated(bounds)),
+            false => self.answer_for(bounds),
+        }
     }
 
     fn vantage(&self) -> Option<Vantage> {
@@ -241,6 +296,7 @@ impl Keep for Prepared {
             self.silhouette.unwrap_or(-1.0),
             self.least,
             self.flat,
+            self.larger,
         ];
         vantage.rest.extend(switches);
         self.lights.add_to(&mut vantage);

@@ -7,10 +7,12 @@ mod check;
 #[cfg(test)]
 mod definition;
 mod front;
+mod glide;
 mod refine;
 mod triangles;
 
 pub use budget::{Budget, Change};
+pub use glide::{Glide, Gliding};
 
 use super::surface::{NONE, Surface};
 use super::{Hierarchy, Vantage};
@@ -181,19 +183,24 @@ impl Cut<'_> {
 
     /// The vertices that the last [`Cut::refine`] has brought back, each with the
     /// vertex that it was part of before: `[vertex, part_of]`. A renderer that
-    /// lets vertices glide starts there.
+    /// lets vertices glide starts there; see [`Gliding`].
     #[must_use]
     pub fn appeared(&self) -> Vec<[u32; 2]> {
+        let came_back = self.came_back().into_iter();
+        came_back.map(|a| [a.vertex, a.part_of]).collect()
+    }
+
+    fn came_back(&self) -> Vec<Appeared> {
         let mut before: HashMap<u32, u32> = HashMap::new();
-        let mut pairs = Vec::new();
+        let mut all = Vec::new();
         // What a vertex was part of comes back before it.
         for a in self.done.appeared.iter().filter(|a| self.is_active(a.node)) {
             let part_of = before.get(&a.part_of).copied().unwrap_or(a.part_of);
             if before.insert(a.vertex, part_of).is_none() {
-                pairs.push([a.vertex, part_of]);
+                all.push(Appeared { part_of, ..*a });
             }
         }
-        pairs
+        all
     }
 
     /// Number of nodes whose collapse is not applied.

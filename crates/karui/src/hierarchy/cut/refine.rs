@@ -18,8 +18,8 @@ impl Cut<'_> {
     /// Makes this the cut that `criteria` ask for: every node is split that they
     /// want kept, with all that wait for it, and no other. Visits the front only.
     ///
-    /// Unless time is short, the result does not depend on what the cut was
-    /// before.
+    /// Unless time is short or the criteria ask for hysteresis, the result does not
+    /// depend on what the cut was before.
     ///
     /// # Errors
     /// [`Error::BadOption`](crate::Error::BadOption) if the criteria are out of
@@ -99,14 +99,14 @@ impl Cut<'_> {
 
     /// Collapses all that is not to be kept and that nothing kept waits for.
     fn collapse_coarse(&mut self, frame: &impl Keep, change: &mut Change) {
-        let answers = self.collapsible.ask(self.odometer, |b| frame.keep_for(b));
+        let answers = self.collapsible.ask(self.odometer, |b| frame.stay_for(b));
         change.tests += answers.len();
         for (node, (keep, way)) in answers {
             self.collapse_unless(node, keep, way);
             while let Some(node) = self.fresh.pop() {
                 if self.is_collapsible(node) {
                     change.tests += 1;
-                    let (keep, way) = frame.keep_for(&self.node(node).cover.bounds());
+                    let (keep, way) = frame.stay_for(&self.node(node).cover.bounds());
                     self.collapse_unless(node, keep, way);
                 }
             }
