@@ -98,7 +98,7 @@ fn euler_of(cut: &Cut<'_>, mesh: &TriMesh) -> Result<i64> {
 fn random_view(hierarchy: &Hierarchy, i: u32) -> ViewAndLight {
     let bounds = hierarchy.bounds();
     let random = |k: u32| {
-        let turns = f64::from(i) * 0.618_033_988_749_895 * f64::from(2 * k + 1);
+        let turns = f64::from(i + 1) * 0.618_033_988_749_895 * f64::from(2 * k + 1);
         sin_cos(std::f64::consts::TAU * turns.fract()).0 as f32
     };
     let far = bounds.diagonal() as f32;

@@ -16,6 +16,7 @@ use karui::metrics::image::rmse;
 use karui::render::{Outputs, Picture, RenderOptions, Renderer, Shading};
 use karui::simplify::{AttributeWeights, Placement, SimplifyOptions, Stop, simplify};
 use serde::Serialize;
+use std::f32::consts::FRAC_PI_6;
 use std::path::Path;
 use std::time::Instant;
 
@@ -243,7 +244,7 @@ fn with_normals(mesh: &mut TriMesh) -> Result<()> {
 
 /// The centre is 1/z of the distance away at which all is just in view.
 fn camera(hierarchy: &Hierarchy, z: f32) -> Camera {
-    let mut camera = Camera::looking_at(hierarchy.bounds(), Vec3::new(0.3, 0.2, 1.0), 0.5236);
+    let mut camera = Camera::looking_at(hierarchy.bounds(), Vec3::new(0.3, 0.2, 1.0), FRAC_PI_6);
     camera.eye = camera.target + (camera.eye - camera.target) / z;
     camera
 }
