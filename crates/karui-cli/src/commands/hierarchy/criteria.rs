@@ -67,7 +67,8 @@ fn silhouette(text: &str) -> Result<Silhouette, String> {
     }
 }
 
-fn at_least_zero(text: &str) -> Result<f64, String> {
+/// A number of 0 or more.
+pub fn at_least_zero(text: &str) -> Result<f64, String> {
     within(text, f64::INFINITY)
 }
 
@@ -84,7 +85,8 @@ fn factor(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number of 1 or more".to_owned())
 }
 
-fn within(text: &str, most: f64) -> Result<f64, String> {
+/// A number from 0 to `most`.
+pub fn within(text: &str, most: f64) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x| (0.0..=most).contains(x));
     number.ok_or_else(|| match most.is_finite() {
         true => format!("expected a number from 0 to {most}"),

@@ -2,7 +2,9 @@
 
 mod bench;
 mod build;
+mod clusters;
 mod criteria;
+mod frames;
 mod path;
 mod refine;
 
@@ -27,6 +29,7 @@ enum What {
     Build(build::Args),
     Refine(refine::Args),
     Bench(bench::Args),
+    Clusters(clusters::Args),
 }
 
 /// Runs the subcommand.
@@ -35,6 +38,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Build(args) => build::run(args, console),
         What::Refine(args) => refine::run(args, console),
         What::Bench(args) => bench::run(args, console),
+        What::Clusters(args) => clusters::run(args, console),
     }
 }
 

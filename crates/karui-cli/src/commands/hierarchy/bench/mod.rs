@@ -82,3 +82,10 @@ fn two_lights(bounds: Aabb) -> Vec<Light> {
         light(Vec3::new(1.5, 0.6, -0.5), 0.5),
     ]
 }
+
+/// The value that a share `q` of all does not exceed; 0 of none.
+pub(super) fn quantile(mut values: Vec<f64>, q: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = (q * (values.len().max(1) - 1) as f64).round() as usize;
+    values.get(at).copied().unwrap_or_default()
+}

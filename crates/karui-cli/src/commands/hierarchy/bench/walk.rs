@@ -1,6 +1,6 @@
 //! Walks around models, timed.
 
-use super::{Args, two_lights};
+use super::{Args, quantile, two_lights};
 use crate::commands::bench::page::machine;
 use crate::commands::hierarchy::{build, read_mesh};
 use crate::console::{Console, to_stderr};
@@ -101,12 +101,6 @@ fn walked(hierarchy: &Hierarchy, frames: u32) -> Result<(Vec<Change>, usize)> {
     }
     changes.remove(0);
     Ok((changes, cut.front_len()))
-}
-
-fn quantile(mut values: Vec<f64>, q: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = (q * (values.len().max(1) - 1) as f64).round() as usize;
-    values.get(at).copied().unwrap_or_default()
 }
 
 /// Slope of the line of least squares through `[x, y]`, and Pearson's correlation.

@@ -1,0 +1,188 @@
+//! `karui hierarchy clusters cut`: the frames of a path.
+
+use super::BuildArgs;
+use crate::commands::hierarchy::criteria::{at_least_zero, within};
+use crate::commands::hierarchy::frames::{Frames, FramesArgs, Sheet};
+use crate::commands::hierarchy::read_mesh;
+use crate::console::Console;
+use crate::table::{count, seconds};
+use anyhow::Result;
+use karui::geom::{Camera, Light, sin_cos};
+use karui::hierarchy::cluster::{ClusterDag, Cut, LightDetail, View};
+use serde::Serialize;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Choose the clusters to draw along a path of cameras and lights
+///
+/// Writes `frames.csv`, a line a frame, and on demand every frame as a picture and as a mesh.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The model; all of it becomes one mesh
+    input: PathBuf,
+    /// Its clusters, from `karui hierarchy clusters build` [default: built first]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["max_triangles", "group_size"])]
+    dag: Option<PathBuf>,
+    #[command(flatten)]
+    frames: FramesArgs,
+    /// Instead of looking at the screen: the least error in at most this many triangles
+    #[arg(long, value_name = "COUNT", conflicts_with_all = [
+        "threshold", "no_frustum", "no_back_facing", "light_factor", "highlight"])]
+    triangles: Option<usize>,
+    #[command(flatten)]
+    detail: DetailArgs,
+    #[command(flatten)]
+    build: BuildArgs,
+}
+
+/// What a view asks for.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "What is drawn")]
+struct DetailArgs {
+    /// Largest error on the screen, pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0, value_parser = at_least_zero)]
+    threshold: f64,
+    /// Also draw what is outside the picture
+    #[arg(long)]
+    no_frustum: bool,
+    /// Also draw what faces away
+    #[arg(long)]
+    no_back_facing: bool,
+    /// Factor to the threshold in highlights and where lit turns to dark; 1 turns it off
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
+    light_factor: f64,
+    /// A highlight: degrees between the normal and halfway from light to eye; 0 for none
+    #[arg(long, value_name = "DEG", default_value_t = 15.0, value_parser = right_angle,
+          requires = "light_factor")]
+    highlight: f64,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|f: &f64| *f > 0.0 && *f <= 1.0);
+    number.ok_or_else(|| "expected a number above 0, at most 1".to_owned())
+}
+
+fn right_angle(text: &str) -> Result<f64, String> {
+    within(text, 90.0)
+}
+
+impl DetailArgs {
+    fn view<'a>(&self, camera: Camera, lights: &'a [Light], size: (u32, u32)) -> View<'a> {
+        View {
+            height: size.1 as f32,
+            aspect: size.0 as f32 / size.1 as f32,
+            threshold: self.threshold as f32,
+            frustum: !self.no_frustum,
+            backfaces: !self.no_back_facing,
+            light: (self.light_factor < 1.0).then(|| self.light(lights)),
+            ..View::new(camera)
+        }
+    }
+
+    fn light<'a>(&self, lights: &'a [Light]) -> LightDetail<'a> {
+        let cosine = || sin_cos(self.highlight.to_radians()).1 as f32;
+        LightDetail {
+            lights,
+            factor: self.light_factor as f32,
+            highlight: (self.highlight > 0.0).then(cosine),
+            silhouettes: true,
+        }
+    }
+}
+
+/// What is told of a frame.
+#[derive(Debug, Serialize)]
+struct Row {
+    clusters: usize,
+    triangles: usize,
+    /// Model units.
+    error: f32,
+    cut_milliseconds: f64,
+    index_milliseconds: f64,
+}
+
+/// Reads, cuts frame by frame, writes all or nothing, then tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let (input, mesh) = read_mesh(&args.input, console)?;
+    let path = args.frames.path(mesh.bounds())?;
+    let frames = Frames::new(&args.frames, &input, console)?;
+    let dag = match &args.dag {
+        Some(path) => super::read(path, &mesh, &args.input)?,
+        None => super::build(&mesh, args.build, &args.input, console)?,
+    };
+    let rows = frames.walk(&path, "cut", console, |i, camera, lights| {
+        let (cut, row) = args.cut(&dag, camera, &lights)?;
+        frames.write(i, &camera, &lights, || cut.to_mesh(&mesh))?;
+        Ok(row)
+    })?;
+    let sheet = sheet(&rows);
+    let files = frames.publish(&sheet)?;
+    console.data(&sheet.shown())?;
+    console.document(&json!({
+        "input": args.input, "triangles": dag.input_triangles(),
+        "clusters": dag.clusters().len(), "frames": rows, "files": files,
+    }))?;
+    let total = rows.iter().map(|r| r.cut_milliseconds).sum::<f64>();
+    console.summary(&format!(
+        "{}: {} frames in {} files; {} of cuts, {} in all",
+        args.frames.output.display(),
+        count(rows.len()),
+        count(files.len()),
+        seconds(Duration::from_secs_f64(total / 1e3)),
+        seconds(console.elapsed()),
+    ))
+}
+
+impl Args {
+    fn cut<'a>(
+        &self,
+        dag: &'a ClusterDag,
+        camera: Camera,
+        lights: &[Light],
+    ) -> Result<(Cut<'a>, Row)> {
+        let view = self.detail.view(camera, lights, self.frames.size);
+        let started = Instant::now();
+        let cut = match self.triangles {
+            Some(most) => dag.cut_to(most),
+            None => dag.cut(&view)?,
+        };
+        let chosen = Instant::now();
+        let triangles = std::hint::black_box(cut.triangles());
+        let row = Row {
+            clusters: cut.clusters().len(),
+            triangles: triangles.len(),
+            error: cut.error(),
+            cut_milliseconds: (chosen - started).as_secs_f64() * 1e3,
+            index_milliseconds: chosen.elapsed().as_secs_f64() * 1e3,
+        };
+        Ok((cut, row))
+    }
+}
+
+const COLUMNS: [&str; 6] = [
+    "frame",
+    "clusters",
+    "triangles",
+    "error",
+    "cut ms",
+    "index ms",
+];
+
+fn sheet(rows: &[Row]) -> Sheet {
+    Sheet {
+        header: &COLUMNS,
+        rows: rows.iter().enumerate().map(cells).collect(),
+    }
+}
+
+fn cells((i, row): (usize, &Row)) -> Vec<String> {
+    vec![
+        i.to_string(),
+        row.clusters.to_string(),
+        row.triangles.to_string(),
+        row.error.to_string(),
+        format!("{:.3}", row.cut_milliseconds),
+        format!("{:.3}", row.index_milliseconds),
+    ]
+}
