@@ -165,8 +165,8 @@ const COLUMNS: [&str; 6] = [
     "clusters",
     "triangles",
     "error",
-    "cut ms",
-    "index ms",
+    "cut_ms",
+    "index_ms",
 ];
 
 fn sheet(rows: &[Row]) -> Sheet {
