@@ -325,3 +325,31 @@ fn a_scan_is_cut() {
         "{coarse:?}"
     );
 }
+
+/// The user's interrupt ends a build with no word on what it would have been.
+#[cfg(unix)]
+#[test]
+fn interrupted_builds_claim_nothing() {
+    let folder = Folder::new();
+    let large = Scene::from_mesh(shapes::landscape(700, 700, 1));
+    folder.scene("large.ply", &large);
+    let before = folder.files();
+    let args = "hierarchy clusters build large.ply -o large.kcl --threads 1 --json";
+    let child = common::karui()
+        .args(args.split(' '))
+        .current_dir(folder.path("."))
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    let id = child.id().to_string();
+    let mut kill = std::process::Command::new("kill");
+    let killed = kill.args(["-INT", &id]).status().unwrap();
+    assert!(killed.success(), "it was over before it was interrupted");
+    let ran: Ran = child.wait_with_output().unwrap().into();
+    assert_eq!(ran.code, Some(130), "{ran:?}");
+    assert!(ran.err.contains("error: cancelled"), "{ran:?}");
+    assert_eq!(ran.out, "");
+    assert_eq!(folder.files(), before);
+}
