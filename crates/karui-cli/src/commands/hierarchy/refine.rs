@@ -28,9 +28,9 @@ pub struct Args {
     #[arg(long, value_name = "COUNT")]
     triangles: Option<usize>,
     #[command(flatten)]
-    criteria: CriteriaArgs,
-    #[command(flatten)]
     build: BuildArgs,
+    #[command(flatten)]
+    criteria: CriteriaArgs,
 }
 
 /// Reads, refines frame by frame, writes all or nothing, then tells.

@@ -31,9 +31,9 @@ pub struct Args {
         "threshold", "no_frustum", "no_back_facing", "light_factor", "highlight"])]
     triangles: Option<usize>,
     #[command(flatten)]
-    detail: DetailArgs,
-    #[command(flatten)]
     build: BuildArgs,
+    #[command(flatten)]
+    detail: DetailArgs,
 }
 
 /// What a view asks for.

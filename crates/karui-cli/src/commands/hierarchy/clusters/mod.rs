@@ -43,7 +43,7 @@ struct BuildArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(8..),
           default_value_t = ClusterDagOptions::default().max_triangles as u8)]
     max_triangles: u8,
-    /// Most clusters that are simplified together, 2 to 64
+    /// Most clusters that are simplified together, 2 to 64; more where these cannot be
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=64),
           default_value_t = ClusterDagOptions::default().group_size as u8)]
     group_size: u8,

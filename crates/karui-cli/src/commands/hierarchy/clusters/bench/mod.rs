@@ -1,18 +1,20 @@
 //! `karui hierarchy clusters bench`: builds, and cuts along walks.
 
+mod row;
+
 use super::BuildArgs;
-use crate::commands::bench::page::{Page, machine, tell};
+use crate::commands::bench::page::{Page, tell};
 use crate::commands::hierarchy::bench::quantile;
 use crate::commands::hierarchy::read_mesh;
 use crate::console::{Console, to_stderr};
 use crate::progress::check_cancelled;
-use crate::table::{bytes, count, percent, seconds, table};
+use crate::table::{count, seconds};
 use anyhow::Result;
 use karui::TriMesh;
 use karui::geom::{Aabb, Camera, Projection, Vec3, turntable_directions};
 use karui::hierarchy::cluster::{ClusterDag, Cut, View};
 use karui::mesh::shapes;
-use serde::Serialize;
+use row::{Row, markdown};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -37,29 +39,6 @@ pub struct Args {
     build: BuildArgs,
 }
 
-#[derive(Debug, Serialize)]
-struct Row {
-    model: String,
-    triangles: usize,
-    build_seconds: f64,
-    clusters: usize,
-    levels: usize,
-    /// Mean share of the triangles that a cluster of level 0 may have.
-    fill: f64,
-    root_share: f64,
-    stuck: usize,
-    /// In memory, by triangles of the model.
-    bytes_per_triangle: f64,
-    file_bytes: usize,
-    /// Medians over the frames of the walk, without and with culling.
-    drawn: [usize; 2],
-    cut_milliseconds: [f64; 2],
-    /// 95 % of the cuts with culling take no longer.
-    late: f64,
-    /// Median time of the index buffer, with culling.
-    index_milliseconds: f64,
-}
-
 /// Builds and walks, model after model.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let page = args.output.as_deref().map(Page::open).transpose()?;
@@ -79,7 +58,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         rows.push(of_mesh(&name, &mesh, path, &walk, args, console)?);
     }
     console.document(&rows)?;
-    let text = markdown(&rows, args);
+    let text = markdown(&rows, args.frames, args.build);
     tell(page, "karui hierarchy clusters bench", &text, console)?;
     let took = seconds(console.elapsed());
     console.summary(&format!("{} models; {took}", count(rows.len())))
@@ -192,78 +171,4 @@ fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
 fn fill(dag: &ClusterDag, most: usize) -> f64 {
     let fine = dag.clusters().iter().filter(|c| c.level == 0).count();
     dag.input_triangles() as f64 / (fine * most).max(1) as f64
-}
-
-fn markdown(rows: &[Row], args: &Args) -> String {
-    let header = [
-        "model",
-        "triangles",
-        "build s",
-        "M/s",
-        "clusters",
-        "levels",
-        "fill",
-        "roots",
-        "stuck",
-        "B/tri",
-        "file",
-        "all",
-        "all ms",
-        "seen",
-        "seen ms",
-        "95 %",
-        "index ms",
-    ];
-    let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
-    format!(
-        "## Clusters in levels of detail, frame by frame\n\n\
-         Written by `karui hierarchy clusters bench FILES --sizes N,N -o FILE` ({} build).\n\n\
-         - Clusters of at most {} triangles, at most {} of them in a group. M/s: million triangles\n\
-         \u{20} of the model built a second, on all threads. Fill: triangles of the mean cluster of level 0\n\
-         \u{20} by what it may have. Roots: triangles of the coarsest cut by those of the model. Stuck:\n\
-         \u{20} failed attempts to simplify a group. B/tri: bytes in memory by triangles of the model. File:\n\
-         \u{20} as `karui hierarchy clusters build` writes it.\n\
-         - The walk: {} frames of 1920 x 1080 pixels, an error of at most 1 pixel, no lights. Models:\n\
-         \u{20} once around, 0.3 rad above, all of the model in a field of view of 0.6 rad. Landscapes\n\
-         \u{20} (`shapes::landscape`, seed 1): once around in a circle, a quarter of the shorter side from the\n\
-         \u{20} middle, 20 units (quads) above the highest point, looking ahead and a quarter downwards, field\n\
-         \u{20} of view 1 rad.\n\
-         - All: triangles drawn and milliseconds of `ClusterDag::cut`, nothing culled. Seen: the same without\n\
-         \u{20} what is outside the picture or faces away; 95 %: of these cuts take no longer. Index: milliseconds\n\
-         \u{20} of `Cut::triangles` of what is seen. Medians over the frames, each measured once, cuts on one\n\
-         \u{20} thread, nothing kept from frame to frame.\n\n\
-         {}\n\n{}\n",
-        if cfg!(debug_assertions) {
-            "dev"
-        } else {
-            "release"
-        },
-        args.build.max_triangles,
-        args.build.group_size,
-        count(args.frames as usize),
-        machine(),
-        table(&header, &cells, true)
-    )
-}
-
-fn cells(row: &Row) -> Vec<String> {
-    vec![
-        format!("`{}`", row.model),
-        count(row.triangles),
-        format!("{:.2}", row.build_seconds),
-        format!("{:.2}", row.triangles as f64 / row.build_seconds * 1e-6),
-        count(row.clusters),
-        count(row.levels),
-        percent(row.fill),
-        percent(row.root_share),
-        count(row.stuck),
-        format!("{:.1}", row.bytes_per_triangle),
-        bytes(row.file_bytes as u64),
-        count(row.drawn[0]),
-        format!("{:.3}", row.cut_milliseconds[0]),
-        count(row.drawn[1]),
-        format!("{:.3}", row.cut_milliseconds[1]),
-        format!("{:.3}", row.late),
-        format!("{:.3}", row.index_milliseconds),
-    ]
 }
