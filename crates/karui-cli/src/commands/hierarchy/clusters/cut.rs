@@ -182,7 +182,7 @@ fn cells((i, row): (usize, &Row)) -> Vec<String> {
         row.clusters.to_string(),
         row.triangles.to_string(),
         row.error.to_string(),
-        format!("{:.3}", row.cut_milliseconds),
-        format!("{:.3}", row.index_milliseconds),
+        format!("{:.4}", row.cut_milliseconds),
+        format!("{:.4}", row.index_milliseconds),
     ]
 }
