@@ -9,8 +9,8 @@ use crate::failure::Failure;
 use crate::progress::check_cancelled;
 use anyhow::Result;
 use clap::Subcommand;
-use karui::TriMesh;
 use karui::hierarchy::cluster::{ClusterDag, ClusterDagOptions};
+use karui::{Error, TriMesh};
 use std::path::Path;
 
 /// Draw a model in clusters, each as coarse as the view allows
@@ -75,9 +75,13 @@ fn read(path: &Path, mesh: &TriMesh, model: &Path) -> Result<ClusterDag> {
     let dag = ClusterDag::from_bytes(&bytes).map_err(|e| fail(&e))?;
     // It holds together, so what is wrong now is wrong for this mesh.
     dag.validate_for(mesh).map_err(|e| {
+        let why = match e {
+            Error::OtherMesh { what } => format!("its {what} differs"),
+            other => other.to_string(),
+        };
         let model = model.display();
         fail(&format!(
-            "the clusters are of another mesh than {model} ({e})"
+            "the clusters are of another mesh than {model}: {why}"
         ))
     })?;
     Ok(dag)
