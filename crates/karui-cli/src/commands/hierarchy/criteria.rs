@@ -3,6 +3,7 @@
 use clap::Args;
 use karui::geom::{Camera, Light};
 use karui::hierarchy::{Silhouette, ViewAndLight};
+use std::fmt;
 
 /// The tests by view and by light.
 #[derive(Debug, Clone, Args)]
@@ -57,6 +58,25 @@ impl CriteriaArgs {
             highlight_area: self.highlight_area,
             hysteresis: self.hysteresis,
         }
+    }
+}
+
+impl fmt::Display for CriteriaArgs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let least = |s| match s {
+            Silhouette::Ignored => "off".to_owned(),
+            Silhouette::Kept { area } => format!("{area} px2"),
+        };
+        write!(
+            f,
+            "area {} px2, flatness {} degrees, silhouettes {}, of lights {}, highlights {} degrees and {} px2",
+            self.area,
+            self.flatness,
+            least(self.silhouette),
+            least(self.light_silhouette),
+            self.highlight,
+            self.highlight_area,
+        )
     }
 }
 

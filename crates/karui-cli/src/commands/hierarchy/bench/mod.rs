@@ -5,6 +5,7 @@ mod paper;
 mod walk;
 
 use super::BuildArgs;
+use super::criteria::CriteriaArgs;
 use crate::commands::bench::page::{Page, tell};
 use crate::console::Console;
 use crate::table::{count, seconds};
@@ -45,6 +46,8 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    criteria: CriteriaArgs,
+    #[command(flatten)]
     build: BuildArgs,
 }
 
@@ -59,7 +62,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     } else if args.paper {
         ("karui hierarchy bench --paper", paper::run(args, console)?)
     } else {
-        ("karui hierarchy bench", walk::run(args, console)?)
+        // Land alone has a section of its own, so that it can have its own criteria.
+        let section = match args.files.is_empty() {
+            true => "karui hierarchy bench --sizes",
+            false => "karui hierarchy bench",
+        };
+        (section, walk::run(args, console)?)
     };
     tell(page, section, &markdown, console)?;
     console.summary(&format!(

@@ -290,7 +290,7 @@ fn markdown(rows: &[Row], builds: &[(std::path::PathBuf, f64)]) -> String {
                 row.milliseconds
                     .map_or("-".to_owned(), |ms| format!("{ms:.3}")),
                 format!("{:.1}", row.redraw),
-                format!("{:.2}", row.mse),
+                format!("{:.4}", row.mse),
             ]
         })
         .collect();
@@ -309,7 +309,8 @@ fn markdown(rows: &[Row], builds: &[(std::path::PathBuf, f64)]) -> String {
          picture's area (1 is {} square pixels). Published, for the bunny on a Pentium 4, 2.8 GHz:\n\
          tests 41.05 / 40.19 / 43.90 ms, redraw 216 to 110-120 ms, MSE 149.8 / 181.3 / 135.5, build\n\
          8.96 s. Below them a larger tau, in square pixels: view and light; the view alone and\n\
-         simplification without regard to either (`simplify`, half-edge), both with no fewer triangles.\n\n\
+         simplification without regard to either (`simplify`, half-edge), both with no fewer triangles,\n\
+         but where the view alone cannot have as many.\n\n\
          Built: {}. {}\n\n{}\n",
         SIDE * SIDE,
         built.collect::<Vec<_>>().join(", "),

@@ -9,7 +9,7 @@ use crate::table::{count, table};
 use anyhow::Result;
 use karui::TriMesh;
 use karui::geom::{Camera, turntable_directions};
-use karui::hierarchy::{Budget, Change, Hierarchy, ViewAndLight};
+use karui::hierarchy::{Budget, Change, Hierarchy};
 use karui::mesh::shapes;
 use serde::Serialize;
 use std::path::Path;
@@ -35,6 +35,9 @@ struct Row {
     correlation: f64,
 }
 
+/// Width and height of the pictures, pixels.
+const SCREEN: (u32, u32) = (1920, 1080);
+
 /// Walks around every model; as Markdown.
 pub fn run(args: &Args, console: &Console) -> Result<String> {
     let mut rows = Vec::new();
@@ -50,7 +53,7 @@ pub fn run(args: &Args, console: &Console) -> Result<String> {
         rows.push(of_mesh(&name, &mesh, Path::new("terrain"), args, console)?);
     }
     console.document(&rows)?;
-    Ok(markdown(&rows, args.frames))
+    Ok(markdown(&rows, args))
 }
 
 fn of_mesh(name: &str, mesh: &TriMesh, path: &Path, args: &Args, console: &Console) -> Result<Row> {
@@ -60,7 +63,7 @@ fn of_mesh(name: &str, mesh: &TriMesh, path: &Path, args: &Args, console: &Conso
     let started = Instant::now();
     let hierarchy = build(mesh, args.build, path, console)?;
     let build_seconds = started.elapsed().as_secs_f64();
-    let (changes, front) = walked(&hierarchy, args.frames)?;
+    let (changes, front) = walked(&hierarchy, args)?;
     let by = |pick: fn(&Change) -> f64| quantile(changes.iter().map(pick).collect(), 0.5);
     let time = |c: &Change| c.time.as_secs_f64() * 1e3;
     let moved = |c: &Change| (c.splits + c.collapses) as f64;
@@ -85,18 +88,15 @@ fn of_mesh(name: &str, mesh: &TriMesh, path: &Path, args: &Args, console: &Conso
 }
 
 /// Every frame but the first, which comes from nowhere; and the size of the front.
-fn walked(hierarchy: &Hierarchy, frames: u32) -> Result<(Vec<Change>, usize)> {
+fn walked(hierarchy: &Hierarchy, args: &Args) -> Result<(Vec<Change>, usize)> {
     let bounds = hierarchy.bounds();
     let lights = two_lights(bounds);
     let mut cut = hierarchy.coarsest();
     let mut changes = Vec::new();
-    for direction in turntable_directions(frames, 0.3) {
+    for direction in turntable_directions(args.frames, 0.3) {
         check_cancelled()?;
-        let criteria = ViewAndLight {
-            camera: Camera::looking_at(bounds, direction, 0.6),
-            lights: lights.clone(),
-            ..ViewAndLight::default()
-        };
+        let camera = Camera::looking_at(bounds, direction, 0.6);
+        let criteria = args.criteria.resolve(camera, lights.clone(), SCREEN);
         changes.push(cut.refine(&criteria, Budget::UNLIMITED)?);
     }
     changes.remove(0);
@@ -116,7 +116,9 @@ fn line(pairs: &[[f64; 2]]) -> (f64, f64) {
     }
 }
 
-fn markdown(rows: &[Row], frames: u32) -> String {
+fn markdown(rows: &[Row], args: &Args) -> String {
+    let frames = args.frames;
+    let (alpha, criteria) = (args.build.alpha, &args.criteria);
     let header = [
         "model",
         "triangles",
@@ -134,15 +136,20 @@ fn markdown(rows: &[Row], frames: u32) -> String {
     ];
     let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
     format!(
-        "## Half-edge hierarchies, frame by frame\n\n\
+        "## Half-edge hierarchies, frame by frame{}\n\n\
          Written by `karui hierarchy bench FILES --sizes N,N -o FILE` (release build).\n\n\
          - M/s: million triangles built a second. B/node: bytes of the nodes and their order.\n\
          - The walk: once around in {frames} frames, 1920 x 1080 pixels, two lights that stand still,\n\
-         \u{20} the default criteria of `ViewAndLight`. Medians over all frames but the first: triangles\n\
+         \u{20} alpha {alpha}, {criteria}. Medians over all frames but the first: triangles\n\
          \u{20} drawn, nodes asked, nodes changed, milliseconds of `refine`; front: nodes that could be\n\
          \u{20} the next to change.\n\
          - us/change: slope of the line of least squares of time over changes; r: their correlation.\n\n\
          {}\n\n{}\n",
+        if args.files.is_empty() {
+            ": one land, ever finer"
+        } else {
+            ""
+        },
         machine(),
         table(&header, &cells, true)
     )
