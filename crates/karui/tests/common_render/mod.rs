@@ -135,9 +135,10 @@ pub fn agrees_with_rays(mesh: &TriMesh, camera: &Camera, name: &str) -> usize {
         let t = hit.triangle as usize;
         let planes = around.map(|(x, y)| caster.plane_depth(t, x, y));
         let (least, most) = range(planes);
-        // Seen edge on, a triangle has no depth to speak of.
+        // Seen edge on, a triangle has no depth to speak of; one without area has no
+        // plane, and no depths to choose the least and most of.
         let spread = most - least;
-        let steep = spread.is_nan() || spread >= 0.02 * (1.0 + depth.abs());
+        let steep = !spread.is_finite() || spread >= 0.02 * (1.0 + depth.abs());
         assert!(
             steep || (depth > least - slack && depth < most + slack),
             "depth {depth}, plane {least} to {most}: {place}"
