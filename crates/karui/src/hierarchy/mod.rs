@@ -21,7 +21,7 @@ mod order;
 mod surface;
 
 pub use bytes::checksum;
-pub use criteria::{Criteria, Keep, Prepared, Silhouette, Vantage, ViewAndLight};
+pub use criteria::{Criteria, Keep, Prepared, Silhouette, Vantage, ViewAndLight, Way};
 pub use cut::{Budget, Change, Cut, Glide, Gliding};
 pub use node::Bounds;
 pub use options::{BuildCounts, HierarchyOptions};

@@ -59,7 +59,7 @@ impl LightTests {
             if answer.yes {
                 return answer;
             }
-            none = none.within(answer.way);
+            none = none.while_holds(answer);
         }
         none
     }
@@ -75,29 +75,27 @@ impl LightTests {
                 Lamp::At(place) => bounds.radius - place.distance(bounds.center),
                 Lamp::Far(_) => 0.0,
             };
-            return Answer {
-                yes: true,
-                way: inside,
-            };
+            return of_light(true, inside);
         };
         let turn = facing(bounds, &lit);
-        let mut way = turn.way;
+        let turned = of_light(false, turn.way);
         if turn.facing == Facing::Away {
-            return Answer { yes: false, way };
+            return turned;
         }
+        let mut answer = turned;
         if let (Facing::Across, Some(least)) = (turn.facing, self.silhouette) {
             let large = large_enough(seen, sight, least);
-            way = way.min(large.way);
+            answer = answer.while_holds(large);
             if large.yes {
-                return Answer { yes: true, way };
+                return answer.and(true);
             }
         }
         let large = large_enough(seen, sight, self.least);
+        answer = answer.while_holds(large);
         if !large.yes {
-            return large.within(way);
+            return answer;
         }
-        let lit = self.has_highlight(bounds, sight, &lit);
-        lit.within(way).within(large.way)
+        self.has_highlight(bounds, sight, &lit).while_holds(answer)
     }
 
     /// Test 7 for all normals in the cone: a normal that turns by an angle turns
@@ -106,22 +104,30 @@ impl LightTests {
         let (Some(rho), Some(spread)) = (self.highlight, bounds.spread) else {
             return Answer::always(self.highlight.is_some());
         };
-        let rate = (sight.turn + sight.growth).max(lit.turn + lit.growth);
-        let mut limit = sight.way.min(lit.way);
         let mirrored = bounds.axis * (2.0 * bounds.axis.dot(lit.toward)) - lit.toward;
+        let mut least = f64::INFINITY;
         let mut reach = rho;
+        let mut all = false;
         for angle in [spread, spread, sight.extent, lit.extent] {
             reach = sum(reach, angle);
             // Beyond two right angles: everything is within reach.
-            limit = limit.min(reach[0].abs() / rate);
-            if reach[0] < 0.0 {
-                return Answer {
-                    yes: true,
-                    way: limit,
-                };
+            least = least.min(reach[0].abs());
+            all = reach[0] < 0.0;
+            if all {
+                break;
             }
         }
-        Answer::of(mirrored.dot(sight.toward) - reach[1], rate).within(limit)
+        let gap = mirrored.dot(sight.toward) - reach[1];
+        if !all {
+            least = least.min(gap.abs());
+        }
+        let of_eye = sight.turn + sight.growth;
+        let of_both = of_eye.max(lit.turn + lit.growth);
+        Answer {
+            yes: all || gap > 0.0,
+            way: (least / of_eye).min(sight.way),
+            with_lights: (least / of_both).min(sight.way).min(lit.way),
+        }
     }
 
     /// Adds what the answers depend on.
@@ -140,6 +146,15 @@ impl LightTests {
             .rest
             .extend([self.silhouette.unwrap_or(none), self.least]);
         vantage.rest.extend(self.highlight.unwrap_or([none; 2]));
+    }
+}
+
+/// An answer that the eye has nothing to do with.
+const fn of_light(yes: bool, way: f64) -> Answer {
+    Answer {
+        yes,
+        way: f64::INFINITY,
+        with_lights: way,
     }
 }
 

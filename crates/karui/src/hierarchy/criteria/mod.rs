@@ -4,7 +4,7 @@ mod light;
 mod travel;
 mod view;
 
-pub use travel::Vantage;
+pub use travel::{Vantage, Way};
 
 use super::node::Bounds;
 use crate::error::{Error, Result};
@@ -39,16 +39,17 @@ pub trait Keep: Sync {
     fn area(&self, bounds: &Bounds) -> f64;
 
     /// The same as [`Keep::keep`], and how far the vantage may go before the
-    /// answer can become another, model units; 0 if that is not known.
-    fn keep_for(&self, bounds: &Bounds) -> (bool, f64) {
+    /// answer can become another, model units; 0 if that is not known. If the
+    /// lights stand `still`, only the eye's way counts, else the sum of both.
+    fn keep_for(&self, bounds: &Bounds, _still: bool) -> (bool, f64) {
         (self.keep(bounds), 0.0)
     }
 
     /// As [`Keep::keep_for`], but whether a vertex that is there may stay. What is
     /// to be kept may always stay; if more may, the mesh depends on the path, and
     /// does not change to and fro where a threshold is met.
-    fn stay_for(&self, bounds: &Bounds) -> (bool, f64) {
-        self.keep_for(bounds)
+    fn stay_for(&self, bounds: &Bounds, still: bool) -> (bool, f64) {
+        self.keep_for(bounds, still)
     }
 
     /// What the answers depend on; `None` has every node asked every frame.
@@ -219,12 +220,12 @@ impl Prepared {
         let Some(sight) = seen.sight else {
             // The eye is inside: everything can be seen from everywhere.
             let way = self.view.way_out(bounds).min(outside.way);
-            return Answer { yes: true, way };
+            return Answer::for_way(true, way);
         };
         let turn = facing(bounds, &sight);
         if turn.facing == Facing::Away && self.back_facing {
             let way = turn.way.min(outside.way);
-            return Answer { yes: false, way };
+            return Answer::for_way(false, way);
         }
         // Whatever is large and curved is kept by the last test at the latest, so
         // that no other needs to be asked.
@@ -242,15 +243,19 @@ impl Prepared {
             }
         }
         let lit = self.lights.keep(bounds, &sight, &seen);
-        answer.within(lit.way).and(lit.yes)
+        answer.while_holds(lit).and(lit.yes)
     }
 }
 
 impl Prepared {
-    fn answer_for(&self, bounds: &Bounds) -> (bool, f64) {
+    fn answer_for(&self, bounds: &Bounds, still: bool) -> (bool, f64) {
         let answer = self.answer(bounds);
+        let way = match still {
+            true => answer.way,
+            false => answer.way.min(answer.with_lights),
+        };
         // A little less, for what rounding may have added.
-        (answer.yes, answer.way * (1.0 - 1e-6))
+        (answer.yes, way * (1.0 - 1e-6))
     }
 
     /// Bounds as hysteresis has them.
@@ -277,15 +282,15 @@ impl Keep for Prepared {
     }
 
     #[inline]
-    fn keep_for(&self, bounds: &Bounds) -> (bool, f64) {
-        self.answer_for(bounds)
+    fn keep_for(&self, bounds: &Bounds, still: bool) -> (bool, f64) {
+        self.answer_for(bounds, still)
     }
 
     #[inline]
-    fn stay_for(&self, bounds: &Bounds) -> (bool, f64) {
+    fn stay_for(&self, bounds: &Bounds, still: bool) -> (bool, f64) {
         match self.larger > 1.0 {
-            true => self.answer_for(&self.inflated(bounds)),
-            false => self.answer_for(bounds),
+            true => self.answer_for(&self.inflated(bounds), still),
+            false => self.answer_for(bounds, still),
         }
     }
 

@@ -21,8 +21,10 @@ pub struct Vantage {
     pub planes: Vec<(DVec3, f64)>,
     /// Places of lights.
     pub places: Vec<DVec3>,
-    /// Unit vectors to the eye and to lights that are infinitely far away.
+    /// Unit vectors to lights that are infinitely far away.
     pub directions: Vec<DVec3>,
+    /// The unit vector along the view, without perspective.
+    pub view: Option<DVec3>,
     /// What a turn of a direction by one radian counts as, model units.
     pub size: f64,
     /// Box around all that is asked about.
@@ -31,30 +33,52 @@ pub struct Vantage {
     pub rest: Vec<f64>,
 }
 
+/// How far eye and lights have gone, model units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// The eye and its planes.
+    pub eye: f64,
+    /// The light that has gone farthest.
+    pub lights: f64,
+}
+
 impl Vantage {
-    /// The way from another one, model units; infinite if the two have nothing to
-    /// do with each other.
+    /// The way from another one; infinite if the two have nothing to do with each
+    /// other.
     #[must_use]
-    pub fn way_from(&self, before: &Self) -> f64 {
+    pub fn way_from(&self, before: &Self) -> Way {
         let same_kind = self.rest == before.rest
             && self.size == before.size
             && self.planes.len() == before.planes.len()
             && self.places.len() == before.places.len()
-            && self.directions.len() == before.directions.len();
+            && self.directions.len() == before.directions.len()
+            && self.view.is_some() == before.view.is_some();
         if !same_kind {
-            return f64::INFINITY;
+            return Way {
+                eye: f64::INFINITY,
+                lights: f64::INFINITY,
+            };
         }
         let moved = self.places.iter().zip(&before.places);
         let moved = moved.map(|(a, b)| a.distance(*b));
         // The arc is longer than the chord, by no more than half of pi.
-        let turned = self.directions.iter().zip(&before.directions);
-        let turned = turned.map(|(a, b)| FRAC_PI_2 * a.distance(*b) * self.size);
-        let of_lights = moved.chain(turned).fold(0.0, f64::max);
+        let turned = |a: &[DVec3], b: &[DVec3]| {
+            let pairs = a.iter().zip(b);
+            let turns = pairs.map(|(a, b)| FRAC_PI_2 * a.distance(*b) * self.size);
+            turns.fold(0.0, f64::max)
+        };
+        let of_lights = moved.fold(turned(&self.directions, &before.directions), f64::max);
         let of_planes = self.planes.iter().zip(&before.planes);
         let of_planes = of_planes
             .map(|(a, b)| self.most_between(a, b))
             .fold(0.0, f64::max);
-        of_planes.max(self.eye.distance(before.eye) + of_lights)
+        Way {
+            eye: of_planes.max(
+                self.eye.distance(before.eye)
+                    + turned(self.view.as_slice(), before.view.as_slice()),
+            ),
+            lights: of_lights,
+        }
     }
 
     /// How much the distances to two planes differ at most: at a corner.
@@ -71,7 +95,10 @@ impl Vantage {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Answer {
     pub yes: bool,
+    /// While the lights stand still: the way of the eye.
     pub way: f64,
+    /// The sum of both ways, as far as lights have to do with it.
+    pub with_lights: f64,
 }
 
 impl Answer {
@@ -80,25 +107,41 @@ impl Answer {
         Self {
             yes,
             way: f64::INFINITY,
+            with_lights: f64::INFINITY,
         }
     }
 
-    /// Whether `gap`, which changes by at most `rate` for every unit of the way,
-    /// is above 0.
+    /// That holds for a way of the eye.
+    pub const fn for_way(yes: bool, way: f64) -> Self {
+        Self {
+            way,
+            ..Self::always(yes)
+        }
+    }
+
+    /// Whether `gap`, which changes by at most `rate` for every unit of the eye's
+    /// way, is above 0.
     #[inline]
     pub fn of(gap: f64, rate: f64) -> Self {
-        Self {
-            yes: gap > 0.0,
-            way: gap.abs() / rate,
-        }
+        Self::for_way(gap > 0.0, gap.abs() / rate)
     }
 
-    /// Holds for no longer than this.
+    /// Holds for no longer than this way of the eye.
     #[inline]
     pub fn within(self, way: f64) -> Self {
         Self {
             way: self.way.min(way),
             ..self
+        }
+    }
+
+    /// Holds for no longer than another.
+    #[inline]
+    pub fn while_holds(self, other: Self) -> Self {
+        Self {
+            yes: self.yes,
+            way: self.way.min(other.way),
+            with_lights: self.with_lights.min(other.with_lights),
         }
     }
 

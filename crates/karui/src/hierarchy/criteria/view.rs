@@ -106,7 +106,7 @@ impl View {
             }
             way = way.min(inside);
         }
-        Answer { yes: false, way }
+        Answer::for_way(false, way)
     }
 
     #[inline]
@@ -140,15 +140,12 @@ impl View {
 
     pub fn vantage(&self) -> Vantage {
         let kind = [self.scale, f64::from(u8::from(self.perspective))];
-        let directions = match self.perspective {
-            true => Vec::new(),
-            false => vec![self.forward],
-        };
         Vantage {
             eye: self.eye,
             planes: self.planes.clone(),
             places: Vec::new(),
-            directions,
+            directions: Vec::new(),
+            view: (!self.perspective).then_some(self.forward),
             size: self.size,
             bounds: self.bounds,
             rest: kind.to_vec(),

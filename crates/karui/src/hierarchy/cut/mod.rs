@@ -50,6 +50,11 @@ pub struct Cut<'a> {
     /// Where the last frame looked from, and what has been gone in all.
     vantage: Option<Vantage>,
     odometer: f64,
+    /// Whether what is known of the front holds only if the lights stay where they
+    /// are.
+    still: bool,
+    /// Frames since a light has moved.
+    rest: u32,
 }
 
 /// Counts of a frame, and the vertices that its splits have brought back.
@@ -105,6 +110,8 @@ impl Hierarchy {
             done: Done::default(),
             vantage: None,
             odometer: 0.0,
+            still: false,
+            rest: 0,
         };
         for node in 0..cut.state.len() as u32 {
             if cut.is_collapsible(node) {

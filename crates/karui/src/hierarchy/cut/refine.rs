@@ -2,14 +2,17 @@
 
 use super::{Budget, Change, Cut, Done};
 use crate::error::Result;
-use crate::hierarchy::Vantage;
 use crate::hierarchy::criteria::{Criteria, Keep};
 use crate::hierarchy::node::Node;
 use crate::hierarchy::surface::NONE;
+use crate::hierarchy::{Vantage, Way};
 use std::time::Instant;
 
 /// Changed triangles closer together than this are uploaded in one go.
 const GAP: u32 = 32;
+
+/// Frames after which lights that have not moved are taken to stand still.
+const AT_REST: u32 = 2;
 
 /// Frames' ways after which all are asked again.
 const FAR: f64 = 1e9;
@@ -46,12 +49,24 @@ impl Cut<'_> {
     fn travel(&mut self, vantage: Option<Vantage>) {
         let way = match (&vantage, &self.vantage) {
             (Some(now), Some(before)) => now.way_from(before),
-            _ => f64::INFINITY,
+            _ => Way {
+                eye: f64::INFINITY,
+                lights: f64::INFINITY,
+            },
         };
         self.vantage = vantage;
+        self.rest = if way.lights > 0.0 {
+            0
+        } else {
+            self.rest.saturating_add(1)
+        };
+        let was_wrong = self.still && way.lights > 0.0;
+        self.still = self.rest >= AT_REST;
+        let way = way.eye + way.lights;
         self.odometer += way;
         // Also before the sum has lost what a short way adds to it.
-        if !self.odometer.is_finite() || self.odometer > FAR * way && way > 0.0 {
+        let lost = !self.odometer.is_finite() || (way > 0.0 && self.odometer > FAR * way);
+        if lost || was_wrong {
             self.odometer = 0.0;
             self.splittable.ask_all();
             self.collapsible.ask_all();
@@ -71,14 +86,17 @@ impl Cut<'_> {
     /// Splits all that is to be kept. As what is kept within bounds is kept within
     /// any around them, below a node of the front that is not there is none.
     fn split_kept(&mut self, frame: &impl Keep, change: &mut Change) {
-        let answers = self.splittable.ask(self.odometer, |b| frame.keep_for(b));
+        let still = self.still;
+        let answers = self
+            .splittable
+            .ask(self.odometer, |b| frame.keep_for(b, still));
         change.tests += answers.len();
         for (node, (keep, way)) in answers {
             self.split_if(node, keep, way);
             while let Some(node) = self.fresh.pop() {
                 if !self.is_active(node) {
                     change.tests += 1;
-                    let (keep, way) = frame.keep_for(&self.node(node).cover.bounds());
+                    let (keep, way) = frame.keep_for(&self.node(node).cover.bounds(), still);
                     self.split_if(node, keep, way);
                 }
             }
@@ -99,14 +117,17 @@ impl Cut<'_> {
 
     /// Collapses all that is not to be kept and that nothing kept waits for.
     fn collapse_coarse(&mut self, frame: &impl Keep, change: &mut Change) {
-        let answers = self.collapsible.ask(self.odometer, |b| frame.stay_for(b));
+        let still = self.still;
+        let answers = self
+            .collapsible
+            .ask(self.odometer, |b| frame.stay_for(b, still));
         change.tests += answers.len();
         for (node, (keep, way)) in answers {
             self.collapse_unless(node, keep, way);
             while let Some(node) = self.fresh.pop() {
                 if self.is_collapsible(node) {
                     change.tests += 1;
-                    let (keep, way) = frame.stay_for(&self.node(node).cover.bounds());
+                    let (keep, way) = frame.stay_for(&self.node(node).cover.bounds(), still);
                     self.collapse_unless(node, keep, way);
                 }
             }
