@@ -1,6 +1,6 @@
 //! What the tests of pictures share: scenes, and rays in double precision.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use karui::TriMesh;
 use karui::geom::{Camera, Light, Projection, Vec2, Vec3, Vec4};
 use karui::mesh::{
@@ -146,7 +146,20 @@ pub fn agrees_with_rays(mesh: &TriMesh, camera: &Camera, name: &str) -> usize {
         let (least, most) = range(rays.iter().map(|r| r.map_or(f64::INFINITY, |r| r.1)));
         let agree = rays.iter().all(|r| r.map(|r| r.0) == rays[0].map(|r| r.0));
         unsure += usize::from(!agree || steep);
-        assert!(rays.iter().any(Option::is_some), "seen, not there: {place}");
+        // Between the rays there is room for what is thinner than the rounding.
+        let thin = || {
+            let corners = mesh.corners(t).map(|c| view.project(c.as_vec3()));
+            let [Some(a), Some(b), Some(c)] = corners else {
+                return false;
+            };
+            let [a, b, c] = [a, b, c].map(DVec3::truncate);
+            let off = [(a, b), (b, c), (c, a)].map(|(p, q)| off_segment(DVec2::new(x, y), p, q));
+            off.into_iter().fold(f64::INFINITY, f64::min) <= BESIDE
+        };
+        if rays.iter().all(Option::is_none) {
+            assert!(thin(), "seen, not there: {place}");
+            continue;
+        }
         assert!(
             steep || (depth > least - spread - slack && depth < most + spread + slack),
             "depth {depth} by triangle {t}, rays {least} to {most}: {place}"
@@ -162,6 +175,18 @@ pub fn agrees_with_rays(mesh: &TriMesh, camera: &Camera, name: &str) -> usize {
         }
     }
     unsure
+}
+
+/// Distance of a point from a segment.
+fn off_segment(point: DVec2, from: DVec2, to: DVec2) -> f64 {
+    let along = to - from;
+    let share = (point - from).dot(along) / along.length_squared();
+    let share = if share.is_finite() {
+        share.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    point.distance(from + along * share)
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
