@@ -3,11 +3,8 @@
 
 use super::Hierarchy;
 use super::check::ensure;
-use super::surface::{Fan, NONE, REVERSED, Surface};
+use super::surface::{Fan, MOST_FACES, NONE, REVERSED, Sides, Surface, next, prev};
 use crate::error::Result;
-
-/// More faces than these around a vertex that is removed are none of a build.
-const MOST_FACES: usize = 255;
 
 /// A hierarchy while its collapses are done again.
 struct Replay<'a> {
@@ -107,7 +104,7 @@ impl Replay<'_> {
                 let known = there(c) && removed.contains(&self.surface.start(c));
                 ensure(known, "faces around a vertex are there", at)?;
                 ensure(
-                    self.fan.len() < MOST_FACES,
+                    self.fan.len() < MOST_FACES as usize,
                     "faces around a vertex are few",
                     at,
                 )?;
@@ -149,8 +146,7 @@ impl Replay<'_> {
 }
 
 /// Whether a walk around a vertex has ended where the faces beside the edge are.
-fn fan_ends(surface: &Surface, fan: &[u32], sides: super::surface::Sides) -> bool {
-    use super::surface::{next, prev};
+fn fan_ends(surface: &Surface, fan: &[u32], sides: Sides) -> bool {
     let Some(&last) = fan.last() else {
         return false;
     };

@@ -14,6 +14,10 @@ pub(super) const NONE: u32 = u32::MAX;
 /// the half that starts at the removed vertex is the border's and has no face.
 pub(super) const REVERSED: u32 = 1 << 31;
 
+/// Faces around a vertex that goes at most; and that another may come to have,
+/// unless it has more already: every collapse looks at all of them.
+pub(super) const MOST_FACES: u32 = 255;
+
 /// The half-edge after `h` around its face.
 #[inline]
 pub(super) fn next(h: u32) -> u32 {
@@ -211,12 +215,7 @@ impl Surface {
     pub fn collapse(&mut self, half_edge: u32, mut moved: impl FnMut(u32, u32)) -> Sides {
         let sides = self.sides(half_edge);
         let moves = self.moves(sides);
-        let mut fan = Fan::new(self, sides);
-        while let Some(c) = fan.as_mut().and_then(|f| f.next(self)) {
-            let corner = &mut self.halves[c as usize].start;
-            *corner = moves.kept(*corner);
-            moved(c, *corner);
-        }
+        self.move_fan(sides, |v| moves.kept(v), &mut moved);
         for h in [sides.left, sides.right] {
             if h != NONE {
                 let [outer, inner] = [next(h), prev(h)].map(|k| self.opposite(k));
@@ -231,12 +230,7 @@ impl Surface {
     pub fn split(&mut self, half_edge: u32, mut moved: impl FnMut(u32, u32)) -> Sides {
         let sides = self.sides(half_edge);
         let moves = self.moves(sides);
-        let mut fan = Fan::new(self, sides);
-        while let Some(c) = fan.as_mut().and_then(|f| f.next(self)) {
-            let corner = &mut self.halves[c as usize].start;
-            *corner = moves.removed(*corner);
-            moved(c, *corner);
-        }
+        self.move_fan(sides, |v| moves.removed(v), &mut moved);
         if sides.left != NONE {
             self.open(prev(sides.left), next(sides.left));
         }
@@ -244,6 +238,22 @@ impl Surface {
             self.open(next(sides.right), prev(sides.right));
         }
         sides
+    }
+
+    /// Changes the vertices of the corners that a collapse or split moves.
+    #[inline]
+    fn move_fan(
+        &mut self,
+        sides: Sides,
+        to: impl Fn(u32) -> u32,
+        moved: &mut impl FnMut(u32, u32),
+    ) {
+        let mut fan = Fan::new(self, sides);
+        while let Some(c) = fan.as_mut().and_then(|f| f.next(self)) {
+            let corner = &mut self.halves[c as usize].start;
+            *corner = to(*corner);
+            moved(c, *corner);
+        }
     }
 
     /// Puts a hidden face back between its neighbour at `inner`, the half-edge

@@ -17,7 +17,7 @@ mod fast;
 mod features;
 mod foliage;
 mod guard;
-mod log;
+pub(crate) mod log;
 mod options;
 mod output;
 mod pairs;

@@ -8,12 +8,8 @@
 use super::lanes::{Lanes, is_hidden};
 use super::points::Points;
 use super::queue::Price;
-use crate::hierarchy::surface::{Moves, NONE, REVERSED, next, prev};
+use crate::hierarchy::surface::{MOST_FACES, Moves, NONE, REVERSED, next, prev};
 use glam::DVec3;
-
-/// Faces that a vertex may come to have, unless it has more already: every
-/// collapse looks at all of them.
-pub(super) const MOST_FACES: u32 = 255;
 
 /// A half-edge collapse and its price.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,6 +15,7 @@
 
 use super::{Bounds, Cluster, ClusterDag, Cone, Group, Input, Sphere};
 use crate::error::{Error, Result};
+use crate::simplify::log::bytes::{put, zigzag};
 use glam::Vec3;
 
 const MAGIC: [u8; 8] = *b"KARUICLD";
@@ -151,14 +152,6 @@ fn checksum(bytes: &[u8]) -> u64 {
     words.chain(rest).fold(bytes.len() as u64, mix)
 }
 
-fn put(out: &mut Vec<u8>, mut number: u64) {
-    while number >= 0x80 {
-        out.push(number as u8 | 0x80);
-        number >>= 7;
-    }
-    out.push(number as u8);
-}
-
 /// Every one as its distance from one more than the one before.
 fn put_ascending(out: &mut Vec<u8>, ids: &[u32], mut next: u32) {
     for &id in ids {
@@ -173,8 +166,7 @@ fn put_vertices(out: &mut Vec<u8>, vertices: &[u32], last: u32) -> u32 {
     let Some((&first, rest)) = vertices.split_first() else {
         return last;
     };
-    let difference = i64::from(first) - i64::from(last);
-    put(out, ((difference << 1) ^ (difference >> 63)) as u64);
+    put(out, zigzag(first, last));
     put_ascending(out, rest, first + 1);
     first
 }

@@ -12,8 +12,9 @@ pub struct ClusterDagOptions<'a> {
     pub max_triangles: usize,
     /// Most vertices of a cluster, 8 to 255. Default: 255.
     pub max_vertices: usize,
-    /// Most clusters of a group, 2 to 64. More of them lock less of the
-    /// surface but can only be refined together. Default: 24.
+    /// Most clusters of a group, 2 to 64; up to 128 where fewer cannot be
+    /// simplified. More of them lock less of the surface but can only be refined
+    /// together. Default: 24.
     pub group_size: usize,
     /// How groups are simplified. Default: [`Quality::Fast`].
     pub quality: Quality,

@@ -245,9 +245,7 @@ impl Prepared {
         let lit = self.lights.keep(bounds, &sight, &seen);
         answer.while_holds(lit).and(lit.yes)
     }
-}
 
-impl Prepared {
     fn answer_for(&self, bounds: &Bounds, still: bool) -> (bool, f64) {
         let answer = self.answer(bounds);
         let way = match still {

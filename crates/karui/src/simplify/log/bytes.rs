@@ -93,7 +93,8 @@ impl CollapseLog {
     }
 }
 
-fn put(out: &mut Vec<u8>, mut number: u64) {
+/// LEB128.
+pub(crate) fn put(out: &mut Vec<u8>, mut number: u64) {
     while number >= 0x80 {
         out.push(number as u8 | 0x80);
         number >>= 7;
@@ -101,7 +102,8 @@ fn put(out: &mut Vec<u8>, mut number: u64) {
     out.push(number as u8);
 }
 
-fn zigzag(to: u32, from: u32) -> u64 {
+/// The difference, small where it is small either way.
+pub(crate) fn zigzag(to: u32, from: u32) -> u64 {
     let difference = i64::from(to) - i64::from(from);
     ((difference << 1) ^ (difference >> 63)) as u64
 }

@@ -8,7 +8,7 @@
 //!   poses had better share one connectivity.
 
 mod base;
-mod bytes;
+pub(crate) mod bytes;
 mod replay;
 mod scene;
 
