@@ -4,6 +4,7 @@
 //! Metrics, SIGGRAPH 1997.
 
 use glam::{DMat3, DVec3};
+use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
 /// `x^T A x - 2 b.x + c`: a weighted sum of squared distances, with the sum of
@@ -102,6 +103,12 @@ impl Quadric {
             c: origin.dot(ao) - 2.0 * self.b.dot(origin) + self.c,
             ..*self
         }
+    }
+}
+
+impl Sum for Quadric {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::ZERO, |sum, one| sum + one)
     }
 }
 

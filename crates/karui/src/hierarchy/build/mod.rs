@@ -3,6 +3,7 @@
 
 mod lanes;
 mod points;
+mod prepare;
 mod price;
 mod queue;
 mod record;

@@ -108,12 +108,12 @@ impl Ring {
 
     fn gather(&mut self, all: &Points, point: u32) {
         self.gather_points(all, point);
-        let center = all.points[point as usize].position;
+        let center = all.points[point as usize].position();
         self.places.clear();
         let seen = self
             .points
             .iter()
-            .map(|&p| all.points[p as usize].position - center);
+            .map(|&p| all.points[p as usize].position() - center);
         self.places.extend(seen);
         self.lanes.fill(&self.places, all.scale);
     }
@@ -170,9 +170,9 @@ impl Ring {
         let kept = &all.points[self.points[k] as usize];
         let of = &all.points[point as usize];
         let crowd = kept.degree.saturating_sub(2).max(1);
-        let error = of.planes.sum(kept.position) / f64::from(crowd).sqrt();
+        let error = all.planes[point as usize].sum(kept.position()) / f64::from(crowd).sqrt();
         let aside = match of.on_edge {
-            true => all.edges[point as usize].sum(kept.position),
+            true => all.edges[point as usize].sum(kept.position()),
             false => 0.0,
         };
         let weight = f64::from(of.weight);

@@ -116,7 +116,7 @@ impl Record {
         let around = ring.points().iter().chain([&point]);
         scratch
             .places
-            .extend(around.map(|&p| all.points[p as usize].position));
+            .extend(around.map(|&p| all.points[p as usize].position()));
         scratch.normals.clear();
         scratch.normals.extend(
             ring.corners()

@@ -142,13 +142,13 @@ impl Cut<'_> {
     /// triangle of the mesh that it was.
     #[must_use]
     pub fn triangles(&self) -> Vec<(u32, [u32; 3])> {
-        let mut faces = self.triangles.faces().to_vec();
-        faces.sort_unstable();
-        let numbered = |f: u32| {
+        let numbered = |&f: &u32| {
             let number = self.hierarchy.triangle_of_face[f as usize];
             (number, self.surface.corners(f))
         };
-        faces.into_iter().map(numbered).collect()
+        let mut all: Vec<_> = self.triangles.faces().iter().map(numbered).collect();
+        all.sort_unstable_by_key(|t| t.0);
+        all
     }
 
     /// The mesh to draw, with the attributes and materials of the one the
