@@ -8,7 +8,7 @@ use karui::hierarchy::{
 use karui::mesh::{Halfedge, PositionIds, RepairOptions, TriMesh, repair, shapes};
 use karui::{Error, Result};
 use proptest::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 fn deep() -> HierarchyOptions<'static> {
@@ -398,24 +398,59 @@ fn what_comes_back_glides_to_its_place() {
     let mut cut = hierarchy.coarsest();
     let mut gliding = Gliding::over(4);
     let weights = |g: &Gliding| g.glides().map(|g| g.weight).collect::<Vec<_>>();
-    cut.refine(&Lens(Vec3::X, 0.5), Budget::UNLIMITED).unwrap();
-    gliding.advance(&cut);
+    let here = Lens(Vec3::X, 0.5);
+    gliding.refine(&mut cut, &here, Budget::UNLIMITED).unwrap();
     let came = cut.appeared().len();
+    assert!(came > 0);
     assert_eq!(weights(&gliding), vec![0.0; came]);
     for quarter in [0.25, 0.5, 0.75] {
-        cut.refine(&Lens(Vec3::X, 0.5), Budget::UNLIMITED).unwrap();
-        gliding.advance(&cut);
+        gliding.refine(&mut cut, &here, Budget::UNLIMITED).unwrap();
         assert_eq!(weights(&gliding), vec![quarter; came]);
     }
-    cut.refine(&Lens(Vec3::Y, 0.5), Budget::UNLIMITED).unwrap();
-    gliding.advance(&cut);
-    let used: BTreeSet<u32> = cut.indices().as_flattened().iter().copied().collect();
-    assert!(gliding.glides().count() > 0);
-    assert!(
-        gliding
-            .glides()
-            .all(|g| g.weight == 0.0 && used.contains(&g.vertex))
-    );
+    gliding.refine(&mut cut, &here, Budget::UNLIMITED).unwrap();
+    assert_eq!(gliding.glides().count(), 0);
+}
+
+#[test]
+fn what_goes_glides_to_where_it_will_be_part_of_another() {
+    let mesh = shapes::icosphere(4);
+    let hierarchy = Hierarchy::build(&mesh, &HierarchyOptions::default()).unwrap();
+    let mut cut = hierarchy.coarsest();
+    let mut gliding = Gliding::over(4);
+    // Weight of every vertex that is drawn.
+    let drawn = |cut: &Cut<'_>, gliding: &Gliding| {
+        let used = cut.indices().as_flattened().iter();
+        let mut drawn: BTreeMap<u32, f32> = used.map(|&v| (v, 1.0)).collect();
+        drawn.extend(gliding.glides().map(|g| (g.vertex, g.weight)));
+        drawn
+    };
+    let lens = |i: usize| Lens([Vec3::X, Vec3::Y, Vec3::X, Vec3::Z][i / 3 % 4], 0.6);
+    let mut before = drawn(&cut, &gliding);
+    let mut went = 0;
+    for frame in 0..200 {
+        // Not long enough at one place for all to arrive, but in the end.
+        let lens = lens(frame.min(50));
+        let change = gliding.refine(&mut cut, &lens, Budget::UNLIMITED).unwrap();
+        assert_eq!(hierarchy.validate(), Ok(()));
+        let now = drawn(&cut, &gliding);
+        for (vertex, weight) in &before {
+            match now.get(vertex) {
+                Some(w) => assert!((w - weight).abs() <= 0.25, "{vertex}: {weight} to {w}"),
+                None => assert_eq!(*weight, 0.0, "{vertex} went at once"),
+            }
+            went += usize::from(!now.contains_key(vertex));
+        }
+        let come = now.iter().filter(|n| !before.contains_key(n.0));
+        assert!(come.clone().all(|n| *n.1 == 0.0));
+        assert_eq!(cut.to_mesh(&mesh).unwrap().validate(), Ok(()));
+        assert_eq!(change.triangles, cut.indices().len());
+        before = now;
+    }
+    assert!(went > 100, "{went}");
+    let mut fresh = hierarchy.coarsest();
+    let change = fresh.refine(&lens(50), Budget::UNLIMITED).unwrap();
+    assert!(change.complete && gliding.glides().count() == 0);
+    assert_eq!(cut.triangles(), fresh.triangles());
 }
 
 #[test]

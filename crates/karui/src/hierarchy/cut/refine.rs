@@ -28,13 +28,24 @@ impl Cut<'_> {
     /// [`Error::BadOption`](crate::Error::BadOption) if the criteria are out of
     /// range; the cut is then what it was.
     pub fn refine<C: Criteria>(&mut self, criteria: &C, budget: Budget) -> Result<Change> {
+        self.refine_but(criteria, budget, |_| false)
+    }
+
+    /// The same, but that of what is not to be kept that stays to which `stays` says
+    /// yes; it is asked about it again next time. Not under a budget.
+    pub(super) fn refine_but<C: Criteria>(
+        &mut self,
+        criteria: &C,
+        budget: Budget,
+        stays: impl FnMut(u32) -> bool,
+    ) -> Result<Change> {
         let started = Instant::now();
         let frame = criteria.frame(self.hierarchy.bounds)?;
         self.fresh.clear();
         self.done = Done::default();
         self.travel(frame.vantage());
         let mut change = match budget {
-            Budget::UNLIMITED => self.refine_freely(&frame),
+            Budget::UNLIMITED => self.refine_freely(&frame, stays),
             budget => self.refine_within(&frame, budget, started),
         };
         change.ranges = self.triangles.take_changed(GAP);
@@ -73,13 +84,13 @@ impl Cut<'_> {
         }
     }
 
-    fn refine_freely(&mut self, frame: &impl Keep) -> Change {
+    fn refine_freely(&mut self, frame: &impl Keep, stays: impl FnMut(u32) -> bool) -> Change {
         let mut change = Change {
             complete: true,
             ..Change::default()
         };
         self.split_kept(frame, &mut change);
-        self.collapse_coarse(frame, &mut change);
+        self.collapse_coarse(frame, stays, &mut change);
         change
     }
 
@@ -116,22 +127,36 @@ impl Cut<'_> {
     }
 
     /// Collapses all that is not to be kept and that nothing kept waits for.
-    fn collapse_coarse(&mut self, frame: &impl Keep, change: &mut Change) {
+    fn collapse_coarse(
+        &mut self,
+        frame: &impl Keep,
+        mut stays: impl FnMut(u32) -> bool,
+        change: &mut Change,
+    ) {
         let still = self.still;
+        let mut collapse = |cut: &mut Self, node: u32, keep: bool, way: f64| {
+            // What stays for now is due again as it is.
+            let stays = !keep && cut.is_collapsible(node) && stays(node);
+            change.complete &= !stays;
+            if !stays {
+                cut.collapse_unless(node, keep, way);
+            }
+        };
         let answers = self
             .collapsible
             .ask(self.odometer, |b| frame.stay_for(b, still));
-        change.tests += answers.len();
+        let mut tests = answers.len();
         for (node, (keep, way)) in answers {
-            self.collapse_unless(node, keep, way);
+            collapse(self, node, keep, way);
             while let Some(node) = self.fresh.pop() {
                 if self.is_collapsible(node) {
-                    change.tests += 1;
+                    tests += 1;
                     let (keep, way) = frame.stay_for(&self.node(node).cover.bounds(), still);
-                    self.collapse_unless(node, keep, way);
+                    collapse(self, node, keep, way);
                 }
             }
         }
+        change.tests += tests;
     }
 
     fn collapse_unless(&mut self, node: u32, keep: bool, way: f64) {
