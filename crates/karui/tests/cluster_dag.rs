@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use karui::geom::{Camera, Light, Vec3};
-use karui::hierarchy::cluster::{ClusterDag, ClusterDagOptions, Cut, LightDetail, View};
+use karui::hierarchy::cluster::{ClusterDag, ClusterDagOptions, Cut, Detail, View};
+use karui::hierarchy::{Silhouette, ViewAndLight};
 use karui::mesh::{MaterialRange, PositionIds, TriMesh, shapes};
 use karui::metrics::{Samples, SurfaceDistanceOptions, surface_distance};
 use karui::simplify::{Border, Quality, SimplifyOptions, Stop, Topology, simplify};
@@ -339,15 +340,20 @@ fn light_asks_for_more_where_it_changes() {
             intensity: 1.0,
         },
     ];
+    let criteria = ViewAndLight {
+        camera: plain.camera,
+        lights: lights.to_vec(),
+        area: f64::INFINITY,
+        silhouette: Silhouette::Ignored,
+        highlight: 20.0,
+        ..ViewAndLight::default()
+    };
     let lit = |factor| {
-        let detail = LightDetail {
-            lights: &lights,
+        let detail = Some(Detail {
+            criteria: &criteria,
             factor,
-            highlight: Some(0.98),
-            silhouettes: true,
-        };
-        let light = Some(detail);
-        let cut = dag.cut(&View { light, ..plain }).unwrap();
+        });
+        let cut = dag.cut(&View { detail, ..plain }).unwrap();
         assert_no_cracks("sphere", &mesh, &cut, true);
         cut.triangle_count()
     };
@@ -636,9 +642,11 @@ proptest! {
             Light::Directional { direction: Vec3::from(sun), color: Vec3::ONE, intensity: 1.0 },
             Light::Point { position: Vec3::from(sun) * 2.0, color: Vec3::ONE, intensity: 1.0 },
         ];
-        let light = Some(LightDetail { lights: &lights, factor, highlight: Some(0.97), silhouettes: true });
-        for light in [None, light] {
-            let cut = dag.cut(&View { threshold, light, ..View::new(camera) }).unwrap();
+        let criteria = ViewAndLight { camera, lights: lights.to_vec(), ..ViewAndLight::default() };
+        let of_lights = ViewAndLight { area: f64::INFINITY, ..criteria.clone() };
+        let detail = |criteria| Some(Detail { criteria, factor });
+        for detail in [None, detail(&criteria), detail(&of_lights)] {
+            let cut = dag.cut(&View { threshold, detail, ..View::new(camera) }).unwrap();
             assert_no_cracks("view", &mesh, &cut, false);
         }
     }

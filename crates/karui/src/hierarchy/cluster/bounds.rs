@@ -162,6 +162,17 @@ impl Bounds {
         },
         cone: Cone::FULL,
     };
+
+    /// As the criteria of hierarchies know bounds.
+    pub(super) fn as_of_a_node(&self) -> crate::hierarchy::Bounds {
+        let normals = self.cone.angle();
+        crate::hierarchy::Bounds {
+            center: self.sphere.center.as_dvec3(),
+            radius: f64::from(self.sphere.radius),
+            axis: self.cone.unit(),
+            spread: (normals.cos >= 0.0).then_some([normals.sin, normals.cos]),
+        }
+    }
 }
 
 #[cfg(test)]

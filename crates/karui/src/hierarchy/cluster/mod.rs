@@ -34,7 +34,7 @@ mod view;
 pub use bounds::{Bounds, Cone, Sphere};
 pub use cut::Cut;
 pub use options::ClusterDagOptions;
-pub use view::{LightDetail, View};
+pub use view::{Detail, View};
 
 use crate::error::Result;
 use crate::mesh::TriMesh;

@@ -1,9 +1,9 @@
 //! Which groups are good enough for a view, and what of them is seen.
 
-use super::angle::Angle;
 use super::bounds::{Bounds, Cone, Sphere};
 use crate::error::{Error, Result};
-use crate::geom::{Camera, Light, Projection};
+use crate::geom::{Aabb, Camera, Projection};
+use crate::hierarchy::{Criteria, Keep, Prepared, ViewAndLight};
 use glam::DVec3;
 
 /// What a view asks of a [`ClusterDag`](super::ClusterDag).
@@ -23,23 +23,18 @@ pub struct View<'a> {
     /// Whether to leave out clusters that show the eye their back alone.
     /// Default: no.
     pub backfaces: bool,
-    /// Where light asks for more detail. Default: nowhere.
-    pub light: Option<LightDetail<'a>>,
+    /// Where more detail is asked for. Default: nowhere.
+    pub detail: Option<Detail<'a>>,
 }
 
-/// More detail where light changes fast: in highlights and where the surface
-/// turns away from a light.
+/// More detail where the criteria of a [`Hierarchy`](crate::hierarchy::Hierarchy)
+/// keep: silhouettes, highlights, where the surface turns away from a light.
 #[derive(Debug, Clone, Copy)]
-pub struct LightDetail<'a> {
-    /// The lights.
-    pub lights: &'a [Light],
-    /// Factor to the threshold there, above 0 and at most 1.
+pub struct Detail<'a> {
+    /// What is asked of the sphere around a group and of the cone of its normals.
+    pub criteria: &'a ViewAndLight,
+    /// Factor to the threshold where they keep, above 0 and at most 1.
     pub factor: f32,
-    /// Cosine of the largest angle between a normal and the direction halfway
-    /// between eye and light in a highlight; `None` for no highlights.
-    pub highlight: Option<f32>,
-    /// Whether the shadow line on the surface counts.
-    pub silhouettes: bool,
 }
 
 impl View<'_> {
@@ -53,7 +48,7 @@ impl View<'_> {
             threshold: 1.0,
             frustum: false,
             backfaces: false,
-            light: None,
+            detail: None,
         }
     }
 
@@ -81,25 +76,9 @@ impl View<'_> {
         in_range("camera.near", near, near.is_finite(), "finite")?;
         let far = camera.far.unwrap_or(1.0);
         in_range("camera.far", far, !far.is_nan(), "a number")?;
-        self.light.map_or(Ok(()), |light| light.check())
-    }
-}
-
-impl LightDetail<'_> {
-    fn check(&self) -> Result<()> {
-        let good = self.factor > 0.0 && self.factor <= 1.0;
-        in_range("light.factor", self.factor, good, "above 0, at most 1")?;
-        let cos = self.highlight.unwrap_or(1.0);
-        let good = (-1.0..=1.0).contains(&cos);
-        in_range("light.highlight", cos, good, "between -1 and 1")?;
-        let place = |light: &Light| match *light {
-            Light::Directional { direction, .. } => direction,
-            Light::Point { position, .. } => position,
-        };
-        match self.lights.iter().map(place).find(|p| !p.is_finite()) {
-            Some(place) => in_range("light.lights", place, false, "finite"),
-            None => Ok(()),
-        }
+        let factor = self.detail.map_or(1.0, |d| d.factor);
+        let good = factor > 0.0 && factor <= 1.0;
+        in_range("detail.factor", factor, good, "above 0, at most 1")
     }
 }
 
@@ -120,7 +99,7 @@ fn in_range(
 }
 
 /// A view, ready to be asked.
-pub(super) struct Judge<'a> {
+pub(super) struct Judge {
     eye: DVec3,
     perspective: bool,
     /// Pixels of a model unit, at a distance of 1 if there is a perspective.
@@ -132,13 +111,14 @@ pub(super) struct Judge<'a> {
     planes: Vec<(DVec3, f64)>,
     backfaces: bool,
     forward: DVec3,
-    light: Option<LightDetail<'a>>,
+    /// Criteria and the factor where they keep.
+    detail: Option<(Prepared, f64)>,
 }
 
-impl<'a> Judge<'a> {
+impl Judge {
     /// # Errors
     /// [`Error::BadOption`] for a view that sees nothing.
-    pub fn new(view: &View<'a>) -> Result<Self> {
+    pub fn new(view: &View<'_>) -> Result<Self> {
         view.check()?;
         let camera = &view.camera;
         let axes = camera.axes()?;
@@ -156,7 +136,7 @@ impl<'a> Judge<'a> {
             planes: Vec::new(),
             backfaces: view.backfaces,
             forward: axes.forward,
-            light: view.light,
+            detail: view.detail.as_ref().map(prepared).transpose()?,
         };
         if view.frustum {
             let sides = [1.0 / scale, f64::from(view.aspect) / scale];
@@ -227,106 +207,23 @@ impl<'a> Judge<'a> {
         };
         let limit = self.threshold * distance;
         error <= limit
-            && self.light.is_none_or(|light| {
-                let factor = f64::from(light.factor);
-                error <= limit * factor || !self.is_lit(&light, bounds)
+            && self.detail.as_ref().is_none_or(|(criteria, factor)| {
+                error <= limit * factor || !criteria.keep(&bounds.as_of_a_node())
             })
     }
-
-    fn is_lit(&self, light: &LightDetail<'_>, bounds: &Bounds) -> bool {
-        let to_eye = match self.perspective {
-            true => Fan::towards(self.eye, &bounds.sphere),
-            false => Fan::parallel(-self.forward),
-        };
-        let normals = Fan {
-            axis: bounds.cone.unit(),
-            half: bounds.cone.angle(),
-        };
-        light.lights.iter().any(|one| {
-            let Some(to_light) = Fan::of(one, &bounds.sphere) else {
-                return false;
-            };
-            (light.silhouettes && normals.may_be_across(&to_light))
-                || light.highlight.is_some_and(|cos| {
-                    normals.may_be_between(&to_light, &to_eye, Angle::of_cos(f64::from(cos)))
-                })
-        })
-    }
 }
 
-/// Directions within an angle of an axis. What is asked of several is asked of
-/// every combination of directions in them, so smaller ones inside hold no more.
-struct Fan {
-    axis: DVec3,
-    half: Angle,
-}
-
-impl Fan {
-    fn parallel(axis: DVec3) -> Self {
-        Self {
-            axis,
-            half: Angle::ZERO,
-        }
-    }
-
-    /// From every point of the sphere towards a light; none for one that shines
-    /// nowhere.
-    fn of(light: &Light, sphere: &Sphere) -> Option<Self> {
-        match *light {
-            Light::Directional { direction, .. } => {
-                let direction = direction.as_dvec3().try_normalize()?;
-                Some(Self::parallel(-direction))
-            }
-            Light::Point { position, .. } => Some(Self::towards(position.as_dvec3(), sphere)),
-        }
-    }
-
-    /// From every point of the sphere towards `place`.
-    fn towards(place: DVec3, sphere: &Sphere) -> Self {
-        let way = place - sphere.center.as_dvec3();
-        let (distance, radius) = (way.length(), f64::from(sphere.radius));
-        if distance <= radius {
-            return Self {
-                axis: DVec3::Z,
-                half: Angle::STRAIGHT,
-            };
-        }
-        Self {
-            axis: way / distance,
-            half: Angle::of_sin(radius / distance),
-        }
-    }
-
-    /// Smallest angle between directions of both.
-    fn least(&self, other: &Self) -> Angle {
-        let between = Angle::between(self.axis, other.axis);
-        between.minus(self.half).minus(other.half)
-    }
-
-    /// Largest angle between directions of both.
-    fn most(&self, other: &Self) -> Angle {
-        let between = Angle::between(self.axis, other.axis);
-        between.plus(self.half).plus(other.half)
-    }
-
-    /// Whether directions of both may be at a right angle.
-    fn may_be_across(&self, other: &Self) -> bool {
-        self.least(other).cos >= 0.0 && self.most(other).cos <= 0.0
-    }
-
-    /// Whether one of these directions may be within `reach` of the middle
-    /// between one of `a` and one of `b`. Such a one is at most half the angle
-    /// between them, and `reach`, from either, which is what is asked.
-    fn may_be_between(&self, a: &Self, b: &Self, reach: Angle) -> bool {
-        let limit = a.most(b).half().plus(reach);
-        self.least(a).at_most(limit) && self.least(b).at_most(limit)
-    }
+fn prepared(detail: &Detail<'_>) -> Result<(Prepared, f64)> {
+    // The box bears only on how long an answer holds, which is not asked.
+    let prepared = detail.criteria.frame(Aabb::EMPTY)?;
+    Ok((prepared, f64::from(detail.factor)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Aabb;
+    use crate::geom::Light;
+    use crate::hierarchy::Silhouette;
     use glam::Vec3;
 
     fn view() -> View<'static> {
@@ -371,38 +268,41 @@ mod tests {
     }
 
     #[test]
-    fn light_is_where_normals_say() {
-        let lights = [Light::Directional {
+    fn detail_is_where_criteria_keep() {
+        let lit = Light::Directional {
             direction: -Vec3::Z,
             color: Vec3::ONE,
             intensity: 1.0,
-        }];
-        let mut view = view();
-        let detail = LightDetail {
-            lights: &lights,
-            factor: 0.1,
-            highlight: Some(0.99),
-            silhouettes: true,
         };
-        view.light = Some(detail);
+        let mut view = view();
+        let criteria = ViewAndLight {
+            camera: view.camera,
+            lights: vec![lit],
+            area: f64::INFINITY,
+            silhouette: Silhouette::Ignored,
+            highlight: 5.0,
+            ..ViewAndLight::default()
+        };
+        view.threshold = 10.0;
+        view.detail = Some(Detail {
+            criteria: &criteria,
+            factor: 0.01,
+        });
         let judge = Judge::new(&view).unwrap();
-        let lit = |axis: Vec3| {
-            let sphere = ball(0.0, 0.0, 0.0);
+        let is_enough = |axis: Vec3| {
             let cone = Cone {
                 axis: axis.normalize(),
                 cos: 0.999,
             };
-            judge.is_lit(
-                &detail,
-                &Bounds {
-                    error: 1.0,
-                    sphere,
-                    cone,
-                },
-            )
+            let sphere = ball(0.0, 0.0, 0.0);
+            judge.is_enough(&Bounds {
+                error: 5.0 / judge.pixels as f32,
+                sphere,
+                cone,
+            })
         };
-        assert!(lit(Vec3::Z) && lit(Vec3::X) && lit(Vec3::Y));
-        assert!(!lit(Vec3::new(1.0, 0.0, 1.0)) && !lit(-Vec3::Z));
+        assert!(!is_enough(Vec3::Z) && !is_enough(Vec3::X) && !is_enough(Vec3::Y));
+        assert!(is_enough(Vec3::new(1.0, 0.0, 1.0)) && is_enough(-Vec3::Z));
     }
 
     #[test]

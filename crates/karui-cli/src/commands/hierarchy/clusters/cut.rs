@@ -7,8 +7,9 @@ use crate::commands::hierarchy::read_mesh;
 use crate::console::Console;
 use crate::table::{count, seconds};
 use anyhow::Result;
-use karui::geom::{Camera, Light, sin_cos};
-use karui::hierarchy::cluster::{ClusterDag, Cut, LightDetail, View};
+use karui::geom::{Camera, Light};
+use karui::hierarchy::cluster::{ClusterDag, Cut, Detail, View};
+use karui::hierarchy::{Silhouette, ViewAndLight};
 use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
@@ -52,8 +53,8 @@ struct DetailArgs {
     /// Factor to the threshold in highlights and where lit turns to dark; 1 turns it off
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
     light_factor: f64,
-    /// A highlight: degrees between the normal and halfway from light to eye; 0 for none
-    #[arg(long, value_name = "DEG", default_value_t = 15.0, value_parser = right_angle,
+    /// A highlight: degrees between the mirrored light and the eye; 0 for none
+    #[arg(long, value_name = "DEG", default_value_t = 30.0, value_parser = two_right_angles,
           requires = "light_factor")]
     highlight: f64,
 }
@@ -63,30 +64,37 @@ fn factor(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number above 0, at most 1".to_owned())
 }
 
-fn right_angle(text: &str) -> Result<f64, String> {
-    within(text, 90.0)
+fn two_right_angles(text: &str) -> Result<f64, String> {
+    within(text, 180.0)
 }
 
 impl DetailArgs {
-    fn view<'a>(&self, camera: Camera, lights: &'a [Light], size: (u32, u32)) -> View<'a> {
+    fn view<'a>(&self, criteria: &'a ViewAndLight) -> View<'a> {
+        let [width, height] = criteria.size.map(|side| side as f32);
+        let factor = self.light_factor as f32;
         View {
-            height: size.1 as f32,
-            aspect: size.0 as f32 / size.1 as f32,
+            height,
+            aspect: width / height,
             threshold: self.threshold as f32,
             frustum: !self.no_frustum,
             backfaces: !self.no_back_facing,
-            light: (self.light_factor < 1.0).then(|| self.light(lights)),
-            ..View::new(camera)
+            detail: (factor < 1.0).then_some(Detail { criteria, factor }),
+            ..View::new(criteria.camera)
         }
     }
 
-    fn light<'a>(&self, lights: &'a [Light]) -> LightDetail<'a> {
-        let cosine = || sin_cos(self.highlight.to_radians()).1 as f32;
-        LightDetail {
-            lights,
-            factor: self.light_factor as f32,
-            highlight: (self.highlight > 0.0).then(cosine),
-            silhouettes: true,
+    /// Where light makes detail visible, and nowhere else.
+    fn criteria(&self, camera: Camera, lights: &[Light], size: (u32, u32)) -> ViewAndLight {
+        ViewAndLight {
+            camera,
+            size: [size.0, size.1],
+            lights: lights.to_vec(),
+            area: f64::INFINITY,
+            silhouette: Silhouette::Ignored,
+            light_silhouette: Silhouette::Kept { area: 0.0 },
+            highlight: self.highlight,
+            highlight_area: 0.0,
+            ..ViewAndLight::default()
         }
     }
 }
@@ -141,7 +149,8 @@ impl Args {
         camera: Camera,
         lights: &[Light],
     ) -> Result<(Cut<'a>, Row)> {
-        let view = self.detail.view(camera, lights, self.frames.size);
+        let criteria = self.detail.criteria(camera, lights, self.frames.size);
+        let view = self.detail.view(&criteria);
         let started = Instant::now();
         let cut = match self.triangles {
             Some(most) => dag.cut_to(most),
