@@ -139,6 +139,17 @@ pub enum Error {
         /// Largest number accepted.
         limit: usize,
     },
+    /// Repeated meshes would become too many elements if each instance had a
+    /// copy of its own.
+    #[error("all instances together have {found} {what}, more than the {limit} that may be copied")]
+    Unfolds {
+        /// E.g. `vertices`.
+        what: &'static str,
+        /// Number found.
+        found: usize,
+        /// Largest number accepted.
+        limit: usize,
+    },
     /// A mesh is not the one that a collapse log or a cluster DAG is of: not of its
     /// connectivity.
     #[error("this is of another mesh: its {what} differs")]

@@ -122,6 +122,7 @@ fn node_to_replace(scene: &mut Scene, n: usize) -> Option<usize> {
         name: node.name.as_ref().map(|name| format!("{name}_lod0")),
         mesh: node.mesh.take(),
         skin: node.skin.take(),
+        placements: node.placements.take(),
         ..Node::default()
     };
     node.children.push(child as u32);
@@ -134,8 +135,9 @@ fn node_to_replace(scene: &mut Scene, n: usize) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::lod::{Levels, LodOptions, chain_scene};
-    use crate::mesh::{MorphTarget, Transform, shapes};
+    use crate::mesh::{MorphTarget, Placements, Transform, shapes};
     use glam::Vec3;
+    use std::sync::Arc;
 
     fn node(mesh: Option<u32>, children: &[u32]) -> Node {
         Node {
@@ -299,5 +301,43 @@ mod tests {
         assert_eq!(twice.instances().len(), once.instances().len());
         let shown = |scene: &Scene| scene.nodes.iter().filter(|n| n.lods.is_some()).count();
         assert_eq!(shown(&twice), 3);
+    }
+
+    #[test]
+    fn levels_are_those_of_the_most_stretched_placement() {
+        let placements = Placements {
+            scales: Some(vec![Vec3::ONE, Vec3::new(1.0, 3.0, 2.0)]),
+            translations: vec![Vec3::ZERO, Vec3::X],
+            ..Placements::default()
+        };
+        let mut scene = Scene::from_mesh(shapes::icosphere(4));
+        scene.nodes[0].placements = Some(Arc::new(placements));
+        let options = LodOptions {
+            levels: Levels::Ratios(vec![0.2]),
+            samples: 2000,
+            ..LodOptions::default()
+        };
+        let chain = chain_scene(&scene, &options).unwrap();
+        let of_mesh = chain.chains[0].as_ref().unwrap();
+        assert_eq!((of_mesh.scale, of_mesh.instances), (3.0, 2));
+        let linked = to_msft_lod(&scene, &chain);
+        assert!(linked.left_out.is_empty());
+        let stand_in = linked.scene.nodes[0].lods.as_ref().unwrap().nodes[0] as usize;
+        let stand_in = &linked.scene.nodes[stand_in].placements;
+        assert_eq!(stand_in, &scene.nodes[0].placements);
+        // Where the mesh moves to a child, its placements move with it.
+        let mut parent = scene.clone();
+        parent.nodes[0].children = vec![1];
+        parent.nodes.push(Node::default());
+        let linked = to_msft_lod(&parent, &chain).scene;
+        assert_eq!(linked.nodes[0].placements, None);
+        assert_eq!(
+            linked.instances(),
+            parent
+                .instances()
+                .iter()
+                .map(|i| (2, i.1))
+                .collect::<Vec<_>>()
+        );
     }
 }

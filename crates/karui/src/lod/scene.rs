@@ -143,19 +143,19 @@ impl Placed {
 
 fn placements(scene: &Scene) -> Vec<Placed> {
     let mut placed = vec![Placed::default(); scene.meshes.len()];
-    for (n, world_from_mesh) in scene.instances() {
-        let node = &scene.nodes[n as usize];
-        let Some(mesh) = node.mesh.and_then(|m| placed.get_mut(m as usize)) else {
-            continue;
+    scene.for_each_instance(|instance| {
+        let node = &scene.nodes[instance.node as usize];
+        let Some(mesh) = placed.get_mut(instance.mesh as usize) else {
+            return;
         };
         mesh.instances += 1;
         // A skinned mesh stands where its joints put it, not where its node is.
         let stretch = match node.skin {
             Some(_) => 1.0,
-            None => largest_stretch(&world_from_mesh),
+            None => largest_stretch(&instance.world_from_mesh.as_mat4()),
         };
         mesh.stretch = mesh.stretch.max(stretch);
-    }
+    });
     let mut uses = vec![[0usize; 2]; scene.meshes.len()];
     for (node, stands_in) in scene.nodes.iter().zip(scene.stand_ins()) {
         if let Some(uses) = node.mesh.and_then(|m| uses.get_mut(m as usize)) {

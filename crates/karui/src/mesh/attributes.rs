@@ -125,6 +125,12 @@ impl AttributeValues {
         self.len() == 0
     }
 
+    /// Bytes of memory that they take.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        for_values!(self, v => size_of_val(&v[..]))
+    }
+
     fn gathered(&self, components: usize, sources: &[u32]) -> Self {
         macro_rules! same_type {
             ($($kind:ident)*) => {

@@ -1,8 +1,7 @@
 //! What a file holds: meshes, materials and where they stand.
 
-use super::{Image, Material, Texture, TriMesh};
-use crate::geom::Aabb;
-use glam::{Mat4, Quat, Vec3};
+use super::{Image, Material, Placements, Texture, TriMesh};
+use glam::{DMat4, Mat4, Quat, Vec3};
 use std::{any::Any, fmt, sync::Arc};
 
 /// Everything a model file holds.
@@ -47,6 +46,9 @@ pub struct Node {
     pub transform: Transform,
     /// Index into [`Scene::meshes`].
     pub mesh: Option<u32>,
+    /// Where in the node's space the mesh stands, if it does so any other way
+    /// than once as it is. Children are not repeated.
+    pub placements: Option<Arc<Placements>>,
     /// Index of the skin in the file it was read from.
     pub skin: Option<u32>,
     /// Indices into [`Scene::nodes`].
@@ -67,8 +69,7 @@ pub enum NodeTie {
     /// Something moves it or hangs on it: an animation, a skin, a camera, a
     /// light. Its mesh may as well be on a child.
     Placement,
-    /// An extension Karui does not model may be about its mesh, as
-    /// `EXT_mesh_gpu_instancing` is.
+    /// An extension Karui does not model may be about its mesh.
     Mesh,
 }
 
@@ -119,6 +120,23 @@ impl Transform {
                 scale,
             } => Mat4::from_scale_rotation_translation(scale, rotation, translation),
             Self::Matrix(matrix) => matrix,
+        }
+    }
+
+    /// [`Transform::matrix`] before it is rounded.
+    #[must_use]
+    pub fn matrix_f64(&self) -> DMat4 {
+        match *self {
+            Self::Trs {
+                translation,
+                rotation,
+                scale,
+            } => DMat4::from_scale_rotation_translation(
+                scale.as_dvec3(),
+                rotation.as_dquat(),
+                translation.as_dvec3(),
+            ),
+            Self::Matrix(matrix) => matrix.as_dmat4(),
         }
     }
 }
@@ -180,22 +198,6 @@ impl Scene {
         self.meshes.iter().map(|m| m.mesh.triangles.len()).sum()
     }
 
-    /// Box around all placed meshes in the world's space; skins, which would
-    /// move their meshes, are left aside.
-    #[must_use]
-    pub fn bounds(&self) -> Aabb {
-        let placed = self.instances();
-        let corners = placed.iter().flat_map(|&(n, world_from_mesh)| {
-            let mesh = self.nodes[n as usize].mesh;
-            let mesh = mesh.and_then(|m| self.meshes.get(m as usize));
-            let positions = mesh.map_or(&[][..], |m| &m.mesh.positions);
-            positions
-                .iter()
-                .map(move |&p| world_from_mesh.transform_point3(p))
-        });
-        Aabb::of(corners)
-    }
-
     /// For every node, whether it is a stand-in of another ([`Node::lods`]) or
     /// lies below one.
     #[must_use]
@@ -208,31 +210,6 @@ impl Scene {
                 *seen = true;
                 stack.extend(&self.nodes[n as usize].children);
             }
-        }
-        found
-    }
-
-    /// Every placed mesh: node index and the matrix that takes the mesh's
-    /// space to the world's, in depth-first order from the roots. A node is
-    /// visited once even if a damaged tree names it twice.
-    #[must_use]
-    pub fn instances(&self) -> Vec<(u32, Mat4)> {
-        let mut found = Vec::new();
-        let mut seen = vec![false; self.nodes.len()];
-        let mut stack: Vec<(u32, Mat4)> = Vec::new();
-        stack.extend(self.roots.iter().rev().map(|&r| (r, Mat4::IDENTITY)));
-        while let Some((n, world_from_parent)) = stack.pop() {
-            let Some(node) = self.nodes.get(n as usize) else {
-                continue;
-            };
-            if std::mem::replace(&mut seen[n as usize], true) {
-                continue;
-            }
-            let world_from_node = world_from_parent * node.transform.matrix();
-            if node.mesh.is_some() {
-                found.push((n, world_from_node));
-            }
-            stack.extend(node.children.iter().rev().map(|&c| (c, world_from_node)));
         }
         found
     }

@@ -15,8 +15,11 @@ impl Scene {
     /// Ranges keep their materials; neighbours of one material are joined.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] if 32 bits cannot count the vertices or triangles.
+    /// [`Error::TooLarge`] if 32 bits cannot count the vertices or triangles,
+    /// [`Error::Unfolds`] if repeated meshes are too many: see
+    /// [`Scene::check_unfolded`].
     pub fn into_single_mesh(mut self) -> Result<TriMesh> {
+        self.check_unfolded()?;
         let instances = self.mesh_instances();
         if let [(mesh, matrix)] = instances[..]
             && matrix == Mat4::IDENTITY
@@ -24,12 +27,9 @@ impl Scene {
             return Ok(self.meshes.swap_remove(mesh).mesh);
         }
         let of = |m: usize| &self.meshes[m].mesh;
-        let count = |len: fn(&TriMesh) -> usize| {
-            let lens = instances.iter().map(|&(m, _)| len(of(m)));
-            lens.fold(0, usize::saturating_add)
-        };
-        check("vertices", count(|m| m.positions.len()))?;
-        check("triangles", count(|m| m.triangles.len()))?;
+        let [vertices, triangles] = self.unfolded();
+        check("vertices", vertices)?;
+        check("triangles", triangles)?;
         let mut whole = TriMesh::default();
         for &(mesh, world_from_mesh) in &instances {
             append(&mut whole, of(mesh).clone().transformed(world_from_mesh));
@@ -41,12 +41,9 @@ impl Scene {
     }
 
     fn mesh_instances(&self) -> Vec<(usize, Mat4)> {
-        let instances = self.instances().into_iter();
-        instances
-            .filter_map(|(node, matrix)| {
-                let mesh = self.nodes[node as usize].mesh? as usize;
-                (mesh < self.meshes.len()).then_some((mesh, matrix))
-            })
+        self.iter_instances()
+            .map(|i| (i.mesh as usize, i.world_from_mesh.as_mat4()))
+            .filter(|&(mesh, _)| mesh < self.meshes.len())
             .collect()
     }
 }

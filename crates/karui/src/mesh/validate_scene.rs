@@ -8,7 +8,7 @@ const MISSING: &str = "does not exist";
 impl Scene {
     /// Checks every mesh (see [`TriMesh::validate`](super::TriMesh::validate))
     /// and every reference; that no node is its own ancestor or has two
-    /// parents; and that transforms are finite.
+    /// parents; and that transforms and placements are finite.
     ///
     /// # Errors
     /// The first fault found: [`Error::BadReference`], [`Error::NotFinite`] or
@@ -60,7 +60,7 @@ impl Scene {
                 index: n,
             });
         }
-        Ok(())
+        node.placements.as_ref().map_or(Ok(()), |p| p.validate())
     }
 
     /// With at most one parent each, nodes form a cycle only where walking up

@@ -53,16 +53,13 @@ impl<'a> Model<'a> {
     #[must_use]
     pub fn of_scene(scene: &'a Scene, images: &'a [Option<Picture>]) -> Self {
         let stand_in = scene.stand_ins();
-        let placed = scene.instances().into_iter();
+        let placed = scene.iter_instances();
         let instances = placed
-            .filter(|&(node, _)| !stand_in[node as usize])
-            .filter_map(|(node, world_from_mesh)| {
-                let mesh = scene.nodes[node as usize].mesh?;
-                Some(Instance {
-                    mesh,
-                    node: Some(node),
-                    world_from_mesh,
-                })
+            .filter(|i| !stand_in[i.node as usize])
+            .map(|i| Instance {
+                mesh: i.mesh,
+                node: Some(i.node),
+                world_from_mesh: i.world_from_mesh.as_mat4(),
             });
         Self {
             meshes: scene.meshes.iter().map(|m| &m.mesh).collect(),
