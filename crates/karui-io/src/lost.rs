@@ -83,7 +83,7 @@ pub(crate) fn lost(format: Format, scene: &Scene) -> Vec<String> {
         ),
         ("face attributes", faces.any(|a| !(holds.face_attribute)(a))),
         ("materials", !holds.materials && !scene.materials.is_empty()),
-        ("the node tree", scene.instances().len() > 1),
+        ("the node tree", scene.instance_count() > 1),
     ];
     let lost = table.into_iter().filter(|(_, is_lost)| *is_lost);
     lost.map(|(what, _)| what.to_owned()).collect()

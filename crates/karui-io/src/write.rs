@@ -12,7 +12,7 @@ use crate::{
     stl,
 };
 use flate2::{Compression, write::GzEncoder};
-use karui::{Scene, TriMesh, geom::Mat4};
+use karui::{Scene, TriMesh, geom::DMat4};
 use std::{borrow::Cow, io, path::Path};
 
 /// How to write.
@@ -87,8 +87,12 @@ fn write_format(
 /// one mesh in place.
 fn single_mesh(scene: &Scene) -> Result<Cow<'_, TriMesh>> {
     let fail = |error: karui::Error| Error::file("", error.into());
-    let mesh = match (&scene.meshes[..], &scene.instances()[..]) {
-        ([mesh], &[(_, matrix)]) if matrix == Mat4::IDENTITY => Cow::Borrowed(&mesh.mesh),
+    let mut instances = scene.iter_instances();
+    let first = [instances.next(), instances.next()];
+    let mesh = match (&scene.meshes[..], first) {
+        ([mesh], [Some(only), None]) if only.world_from_mesh == DMat4::IDENTITY => {
+            Cow::Borrowed(&mesh.mesh)
+        }
         _ => Cow::Owned(scene.clone().into_single_mesh().map_err(fail)?),
     };
     mesh.validate().map_err(fail)?;

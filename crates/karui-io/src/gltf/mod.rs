@@ -12,6 +12,7 @@ mod document;
 mod draco;
 mod encode;
 mod heirs;
+mod instancing;
 mod json;
 mod lod;
 mod material;
@@ -39,4 +40,6 @@ pub(crate) use write::write;
 /// What a scene read from glTF carries for the writer.
 struct GltfSource {
     document: document::Document,
+    /// Placements of its nodes, to tell whether they are still the same.
+    placements: Vec<Option<std::sync::Arc<karui::mesh::Placements>>>,
 }

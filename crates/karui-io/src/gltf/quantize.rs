@@ -3,7 +3,7 @@
 
 use super::{
     encode::shorts,
-    heirs, json,
+    json,
     lod::{LOD, weights_target},
     primitive::triangle_mode,
 };
@@ -72,8 +72,8 @@ impl Grid {
 pub(super) fn plan(scene: &Scene, json: &Value) -> Vec<Option<Grid>> {
     let mut fits: Vec<bool> = vec![true; scene.meshes.len()];
     let skinned = (0..scene.nodes.len()).filter(|&n| scene.nodes[n].skin.is_some());
-    let instanced = heirs::instanced(scene, json).into_iter();
-    for node in skinned.chain(instanced.flat_map(|(_, nodes)| nodes)) {
+    let instanced = (0..scene.nodes.len()).filter(|&n| scene.nodes[n].placements.is_some());
+    for node in skinned.chain(instanced) {
         if let Some(mesh) = scene.nodes[node].mesh {
             fits[mesh as usize] = false;
         }

@@ -4,6 +4,7 @@ use super::{
     GltfSource,
     budget::Budget,
     document::Document,
+    instancing,
     json::{self, At, ROOT},
     material,
     node::{self, Counts, ImageReader},
@@ -50,6 +51,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<Scene> {
         nodes: read_nodes(&document.json, &budget)?,
         ..Scene::default()
     };
+    instancing::read_all(&document, &budget, &mut scene.nodes)?;
     tie::mark(&document.json, &mut scene.nodes);
     scene.roots = node::roots(&document.json, &scene.nodes)?;
     let mut context = Context {
@@ -59,7 +61,11 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<Scene> {
     };
     scene.meshes = read_meshes(&mut context)?;
     document.keep_views(&keep);
-    scene.attachment = Attachment::new(GltfSource { document });
+    let placements = scene.nodes.iter().map(|n| n.placements.clone()).collect();
+    scene.attachment = Attachment::new(GltfSource {
+        document,
+        placements,
+    });
     Ok(scene)
 }
 

@@ -386,6 +386,34 @@ impl<'a> Gather<'_, 'a> {
     }
 }
 
+/// All values of an accessor in their own type, `components` an element.
+/// Normalised integers stay integers.
+pub(super) fn all_values(elements: &Elements<'_>, components: usize) -> AttributeValues {
+    macro_rules! collect {
+        ($variant:ident, $scalar:expr) => {
+            AttributeValues::$variant(scalars(elements, components, $scalar))
+        };
+    }
+    match elements.layout.component {
+        Component::I8 => collect!(I8, |e, i, c| e.integer(i, c) as i8),
+        Component::U8 => collect!(U8, |e, i, c| e.integer(i, c) as u8),
+        Component::I16 => collect!(I16, |e, i, c| e.integer(i, c) as i16),
+        Component::U16 => collect!(U16, |e, i, c| e.integer(i, c) as u16),
+        Component::U32 => collect!(U32, |e, i, c| e.integer(i, c) as u32),
+        Component::F32 => collect!(F32, |e, i, c| e.float(i, c)),
+    }
+}
+
+fn scalars<T>(
+    elements: &Elements<'_>,
+    components: usize,
+    scalar: impl Fn(&Elements<'_>, usize, usize) -> T,
+) -> Vec<T> {
+    let of_element = |i| (0..components).map(move |c| (i, c));
+    let places = (0..elements.count).flat_map(of_element);
+    places.map(|(i, c)| scalar(elements, i, c)).collect()
+}
+
 fn find_target<'e, 'a>(
     block: &'e Block<'a>,
     target: usize,

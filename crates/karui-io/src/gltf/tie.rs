@@ -1,10 +1,11 @@
 //! Which nodes the parts of a file that Karui does not model speak of.
 
+use super::instancing::{FEATURES, INSTANCING};
 use karui::mesh::{Node, NodeTie};
 use serde_json::Value;
 
 /// Extensions of nodes that Karui models.
-const MODELLED: [&str; 1] = ["MSFT_lod"];
+const MODELLED: [&str; 3] = ["MSFT_lod", INSTANCING, FEATURES];
 /// Extensions of nodes that are not about the mesh.
 const PLACED: [&str; 1] = ["KHR_lights_punctual"];
 
@@ -78,8 +79,8 @@ mod tests {
                 {},
                 { "camera": 0 },
                 { "extensions": { "KHR_lights_punctual": {} } },
-                { "extensions": { "EXT_mesh_gpu_instancing": {}, "KHR_lights_punctual": {} } },
-                { "extensions": { "MSFT_lod": {} } },
+                { "extensions": { "X_of_mesh": {}, "KHR_lights_punctual": {} } },
+                { "extensions": { "MSFT_lod": {}, "EXT_mesh_gpu_instancing": {} } },
             ],
             "animations": [
                 { "channels": [{ "target": { "node": 1 } }, { "target": { "node": 99 } }] },

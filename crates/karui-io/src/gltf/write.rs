@@ -2,6 +2,7 @@
 
 use super::{
     GltfSource, container, heirs,
+    instancing::{self, INSTANCING},
     json::{self, ROOT},
     lod::{self, LOD},
     material,
@@ -164,12 +165,11 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
         None => Place::Embedded(&mut packer),
     };
     write_images(&mut json, scene, place);
-    let instanced = heirs::instanced(scene, &json);
     write_nodes(&mut json, scene, source_meshes, |mesh| {
         let morphs = scene.meshes[mesh as usize].mesh.attributes.morphs.len();
         numbers[mesh as usize].map(|number| (number, morphs))
     });
-    heirs::hand_on_instances(&mut json, &instanced);
+    instancing::write_all(&mut json, scene, source, &mut packer);
     share_weights(&mut json, scene);
     place_meshes(&mut json, &numbers, &grids);
     let (accessors, packed) = packer.finish(options.meshopt);
@@ -268,11 +268,15 @@ fn list_extensions(json: &mut Value, scene: &Scene, grids: &[Option<Grid>], mesh
         || grids.iter().any(Option::is_some)
         || uses_small_integers(json);
     let lods = scene.nodes.iter().any(|n| n.lods.is_some());
+    let instances = scene.nodes.iter().any(|n| n.placements.is_some());
+    // A file that could be shown without stays such a file.
+    let only_instanced = !quantize::uses(json, INSTANCING);
     let transforms = scene.materials.iter().any(material::has_transform);
     let wanted = [
         (QUANTIZATION, quantized, true),
         (MESHOPT, meshopt, true),
         (LOD, lods, false),
+        (INSTANCING, instances, only_instanced),
         ("KHR_texture_transform", transforms, false),
     ];
     for (key, all) in [("extensionsUsed", true), ("extensionsRequired", false)] {

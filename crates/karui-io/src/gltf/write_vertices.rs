@@ -295,7 +295,7 @@ fn normalize_weights(weights: &mut [f32]) {
 }
 
 /// Names that are not the format's own start with an underscore.
-fn custom_name(name: &str) -> String {
+pub(super) fn custom_name(name: &str) -> String {
     if name.starts_with('_') || is_reserved(name) {
         return name.to_owned();
     }
@@ -316,7 +316,7 @@ fn is_reserved(name: &str) -> bool {
 
 /// Values in a type that vertex attributes may have: 32-bit integers only in
 /// 16 bits or, beyond their range, as floats.
-fn custom_array(attribute: &Attribute, sources: &[u32]) -> Option<Array> {
+pub(super) fn custom_array(attribute: &Attribute, sources: &[u32]) -> Option<Array> {
     let components = attribute.components;
     macro_rules! array {
         ($component:ident, $values:expr, $bytes:expr) => {{

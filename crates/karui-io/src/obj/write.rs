@@ -60,15 +60,15 @@ fn write_library(
 /// Every placed mesh in world space with a name of its own.
 fn objects(scene: &Scene) -> Result<Vec<(Option<String>, TriMesh)>> {
     let fail = |error: karui::Error| Error::file("", error.into());
-    let instances = scene.instances();
+    scene.check_unfolded().map_err(fail)?;
     let mut objects = Vec::new();
-    for &(node, world_from_mesh) in &instances {
-        let node = &scene.nodes[node as usize];
-        let mesh = node.mesh.and_then(|m| scene.meshes.get(m as usize));
-        let Some(named) = mesh else {
+    for instance in scene.iter_instances() {
+        let node = &scene.nodes[instance.node as usize];
+        let Some(named) = scene.meshes.get(instance.mesh as usize) else {
             continue;
         };
         let name = named.name.clone().or_else(|| node.name.clone());
+        let world_from_mesh = instance.world_from_mesh.as_mat4();
         let mesh = named.mesh.clone().transformed(world_from_mesh);
         mesh.validate().map_err(fail)?;
         objects.push((name, mesh));

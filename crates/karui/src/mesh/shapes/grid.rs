@@ -47,7 +47,7 @@ pub fn terrain(columns: u32, rows: u32, seed: u64) -> TriMesh {
 }
 
 /// Smoothly interpolated lattice noise in -1..=1.
-pub(super) fn value_noise(x: f64, z: f64, seed: u64) -> f64 {
+pub(in crate::mesh) fn value_noise(x: f64, z: f64, seed: u64) -> f64 {
     let (i, j) = (x.floor(), z.floor());
     let at = |di: f64, dj: f64| lattice_value((i + di) as u64, (j + dj) as u64, seed);
     let (s, t) = (smooth(x - i), smooth(z - j));

@@ -19,6 +19,7 @@ pub use faulty::{
     book, bow_tie, cubes_sharing_edge, duplicate_faces, flipped_face, slivers, t_junction,
     touching_parts,
 };
+pub(super) use grid::value_noise;
 pub use grid::{grid, height_grid, terrain};
 pub use landscape::landscape;
 pub use one_sided::{klein_bottle, moebius};
@@ -75,7 +76,7 @@ pub fn zoo() -> Vec<(&'static str, TriMesh)> {
 /// names the corner in column `i`, row `j`; seen from outside, columns run to
 /// the right and rows upwards. Triangles with a repeated corner (at poles)
 /// are left out.
-fn quads(columns: u32, rows: u32, vertex: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]> {
+pub(super) fn quads(columns: u32, rows: u32, vertex: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * columns as usize * rows as usize);
     for j in 0..rows {
         for i in 0..columns {
@@ -93,7 +94,7 @@ fn is_proper(&[a, b, c]: &[u32; 3]) -> bool {
 
 /// Sine and cosine of `step / steps` of a full turn, exact at the quarters so
 /// that closed shapes meet exactly.
-fn turn(step: u32, steps: u32) -> (f64, f64) {
+pub(super) fn turn(step: u32, steps: u32) -> (f64, f64) {
     let step = step % steps;
     let quarters = 4 * u64::from(step);
     let (quarter, rest) = (quarters / u64::from(steps), quarters % u64::from(steps));

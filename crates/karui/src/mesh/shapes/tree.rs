@@ -1,7 +1,7 @@
 //! A made-up tree.
 
 use super::{super::TriMesh, quads, turn};
-use crate::mesh::MaterialRange;
+use crate::mesh::{MaterialRange, random::Random};
 use glam::{Quat, Vec2, Vec3};
 
 /// Segments around the trunk and rings along it.
@@ -72,29 +72,6 @@ fn add_leaf(mesh: &mut TriMesh, random: &mut Random) {
         .uvs
         .iter_mut()
         .for_each(|set| set.extend(uvs));
-}
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    /// In 0..1.
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ mixed >> 31) >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    /// In the unit ball.
-    fn in_ball(&mut self) -> Vec3 {
-        loop {
-            let point = Vec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0;
-            if point.length_squared() <= 1.0 {
-                return point;
-            }
-        }
-    }
 }
 
 #[cfg(test)]
