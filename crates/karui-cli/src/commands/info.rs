@@ -4,9 +4,9 @@ use crate::console::Console;
 use crate::input::{self, Input};
 use crate::table::{bytes, count, number, table};
 use anyhow::Result;
-use karui::TriMesh;
 use karui::geom::Aabb;
 use karui::mesh::{NamedMesh, diagnose};
+use karui::{Scene, TriMesh};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -27,6 +27,9 @@ struct Info {
     /// Triangles counted once an instance.
     drawn_triangles: usize,
     instances: usize,
+    /// Those that are placements of an instanced node, and the memory they take.
+    placements: usize,
+    placement_bytes: usize,
     materials: usize,
     textures: usize,
     images: usize,
@@ -73,18 +76,16 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 
 fn of_input(input: &Input) -> Result<Info> {
     let scene = &input.scene;
-    let instances = scene.instances();
-    let drawn = instances.iter().filter_map(|&(node, _)| {
-        let mesh = scene.nodes.get(node as usize)?.mesh?;
-        Some(scene.meshes.get(mesh as usize)?.mesh.triangles.len())
-    });
+    let [_, drawn_triangles] = scene.unfolded();
     Ok(Info {
         file: input.path.clone(),
         bytes: input.bytes,
         triangles: scene.triangle_count(),
         vertices: scene.meshes.iter().map(|m| m.mesh.positions.len()).sum(),
-        drawn_triangles: drawn.sum(),
-        instances: instances.len(),
+        drawn_triangles,
+        instances: scene.instance_count(),
+        placements: placements(scene),
+        placement_bytes: scene.placement_memory(),
         materials: scene.materials.len(),
         textures: scene.textures.len(),
         images: scene.images.len(),
@@ -92,6 +93,11 @@ fn of_input(input: &Input) -> Result<Info> {
         bounds: bounds(scene.bounds()),
         meshes: scene.meshes.iter().map(of_mesh).collect::<Result<_>>()?,
     })
+}
+
+fn placements(scene: &Scene) -> usize {
+    let all = scene.iter_instances();
+    all.filter(|i| i.placement.is_some()).count()
 }
 
 fn bounds(bounds: Aabb) -> Option<Bounds> {
@@ -158,6 +164,12 @@ fn text(info: &Info) -> String {
     lines.push(format!(
         "{m} materials, {t} textures, {i} images, {n} nodes"
     ));
+    if info.placements > 0 {
+        let (placements, memory) = (count(info.placements), bytes(info.placement_bytes as u64));
+        lines.push(format!(
+            "{placements} of the instances are placements, {memory} of memory"
+        ));
+    }
     if let Some(bounds) = &info.bounds {
         let [min, max] = [bounds.min, bounds.max].map(|p| p.map(|x| number(x.into())).join(", "));
         let diagonal = number(bounds.diagonal);

@@ -12,6 +12,7 @@ mod measure;
 mod render;
 mod replay;
 mod saliency;
+mod scene;
 mod simplify;
 mod validate;
 
@@ -33,6 +34,7 @@ pub enum Command {
     Validate(validate::Args),
     Render(render::Args),
     Convert(convert::Args),
+    Scene(scene::Args),
     Bench(bench::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -52,6 +54,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Validate(args) => validate::run(&args, console),
         Command::Render(args) => render::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
+        Command::Scene(args) => scene::run(&args, console),
         Command::Bench(args) => bench::run(&args, console),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args, console),

@@ -123,8 +123,8 @@ pub(super) fn samples(
     if corners.iter().all(|c| c.outside == 0) {
         return samples_of_large(&corners, within, covered);
     }
-    let t = entry.triangle as usize;
-    for part in clip(&pass.view, pass.geometry.homogeneous(&pass.view, t)) {
+    let corners = pass.geometry.homogeneous(&pass.view, entry.triangle);
+    for part in clip(&pass.view, corners) {
         samples_of_large(&part, within, covered);
     }
 }

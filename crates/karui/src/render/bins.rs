@@ -2,7 +2,7 @@
 
 use super::clip::clip;
 use super::edges::{Extent, Window, covers, oriented, two_areas};
-use super::geometry::Geometry;
+use super::geometry::{Geometry, Part};
 use super::project::Corner;
 use super::view::View;
 use rayon::prelude::*;
@@ -99,7 +99,7 @@ const CHUNK: usize = 1 << 14;
 impl Picked<'_> {
     /// One entry a chunk of triangles, in it one a band.
     pub(super) fn bins(&self) -> Bins {
-        let count = self.geometry.triangles.len();
+        let count = self.geometry.triangles;
         let chunk = |c: usize| self.chunk(c * CHUNK..count.min((c + 1) * CHUNK));
         (0..count.div_ceil(CHUNK))
             .into_par_iter()
@@ -110,7 +110,7 @@ impl Picked<'_> {
     fn chunk(&self, range: Range<usize>) -> Vec<Lists> {
         let bands = (self.picture.rows.end + BAND - 1) >> BAND_BITS;
         let mut bins = vec![Lists::default(); bands as usize];
-        let first_part = self.geometry.part_of[range.start] as usize;
+        let first_part = self.geometry.part_before(range.start);
         for (part, treatment) in self
             .geometry
             .parts
@@ -124,15 +124,17 @@ impl Picked<'_> {
                 break;
             }
             if treatment.kind != Kind::Hidden {
-                self.sort_into(&mut bins, run, *treatment);
+                self.sort_into(&mut bins, part, run, *treatment);
             }
         }
         bins
     }
 
-    fn sort_into(&self, bins: &mut [Lists], run: Range<usize>, how: Treatment) {
+    fn sort_into(&self, bins: &mut [Lists], part: &Part<'_>, run: Range<usize>, how: Treatment) {
+        let first = self.geometry.first_vertex(part);
         for t in run {
-            let corners = self.corners_of(t);
+            let vertices = part.triangle(t as u32);
+            let corners = vertices.map(|v| self.corners[(v + first) as usize]);
             let [a, b, c] = corners.map(|corner| corner.outside);
             let mut kind = how.kind;
             let (entry, rows) = if a | b | c == 0 {
@@ -159,11 +161,6 @@ impl Picked<'_> {
                 }
             }
         }
-    }
-
-    #[inline]
-    fn corners_of(&self, t: usize) -> [Corner; 3] {
-        self.geometry.triangles[t].map(|v| self.corners[v as usize])
     }
 
     /// Samples that a triangle may cover, and whether it shows its back; `None` if there
@@ -193,7 +190,7 @@ impl Picked<'_> {
     }
 
     fn clipped_rows(&self, t: usize, how: Treatment) -> Range<i32> {
-        let corners = self.geometry.homogeneous(self.view, t);
+        let corners = self.geometry.homogeneous(self.view, t as u32);
         let mut all = 0..0;
         for part in clip(self.view, corners) {
             if let Some((Window { rows, .. }, _)) = self.window(&part, &Extent::new(&part), how) {

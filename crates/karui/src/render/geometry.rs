@@ -1,9 +1,11 @@
-//! All instances in the world's space, their vertices and triangles in one list.
+//! All instances in the world's space, their vertices and triangles numbered
+//! through. Only normals that meshes do not have are made; nothing is copied.
 
-use super::model::Model;
+use super::model::{Instance, Model};
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Mat4, Vec3};
 use crate::mesh::{MaterialRange, NormalWeight, PositionIds, TriMesh, vertex_normals};
+use std::ops::Range;
 
 /// Triangles of one instance and one material.
 #[derive(Debug, Clone, Copy)]
@@ -12,9 +14,7 @@ pub(super) struct Part<'a> {
     pub instance: u32,
     /// Index of the mesh in the model.
     pub mesh_index: u32,
-    /// First of the instance's vertices in [`Geometry::positions`].
-    pub first_vertex: u32,
-    /// First of the part's triangles in [`Geometry::triangles`].
+    /// Number of its first triangle among those of all parts.
     pub first_triangle: u32,
     /// The same triangle in the mesh.
     pub first_of_mesh: u32,
@@ -24,65 +24,84 @@ pub(super) struct Part<'a> {
     pub mirrored: bool,
 }
 
+/// A mesh where it stands. It is not copied: vertices are placed when they are
+/// asked for.
+#[derive(Debug, Clone)]
+pub(super) struct Placed<'a> {
+    mesh: &'a TriMesh,
+    /// Index of the mesh in the model.
+    mesh_index: u32,
+    /// Number of its first vertex among those of all instances.
+    first_vertex: u32,
+    /// `None` for the identity, which changes nothing, not even by rounding.
+    world_from_mesh: Option<Mat4>,
+}
+
+impl Placed<'_> {
+    #[inline]
+    fn position(&self, v: usize) -> Vec3 {
+        let p = self.mesh.positions[v];
+        self.world_from_mesh.map_or(p, |m| placed(m, p))
+    }
+}
+
+/// Triangles are numbered through all instances, and so are vertices.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Geometry<'a> {
-    pub positions: Vec<Vec3>,
-    /// Of length 1, or zero where there is none.
-    pub normals: Vec<Vec3>,
-    pub triangles: Vec<[u32; 3]>,
-    /// Part of every triangle.
-    pub part_of: Vec<u32>,
+    /// By number of the first vertex, ascending.
+    placed: Vec<Placed<'a>>,
+    /// Of every mesh that stands somewhere: of length 1, or zero where there is
+    /// none.
+    normals: Vec<Option<Vec<Vec3>>>,
+    /// By number of the first triangle, ascending; none is empty.
     pub parts: Vec<Part<'a>>,
+    /// Part of every [`BLOCK`]th triangle.
+    blocks: Vec<u32>,
+    pub triangles: usize,
+    pub vertices: usize,
     pub bounds: Aabb,
 }
+
+/// Triangles from one to the next of which the part is kept.
+const BLOCK: usize = 64;
 
 impl<'a> Geometry<'a> {
     pub(super) fn new(model: &Model<'a>) -> Result<Self> {
         check_size(model)?;
-        let mut normals: Vec<Option<Vec<Vec3>>> = vec![None; model.meshes.len()];
-        let mut all = Self::default();
+        let mut all = Self {
+            normals: vec![None; model.meshes.len()],
+            ..Self::default()
+        };
+        let mut used: Vec<Option<Vec<u32>>> = vec![None; model.meshes.len()];
         for (i, instance) in model.instances.iter().enumerate() {
             let m = instance.mesh as usize;
             let mesh = model.meshes[m];
-            let normals = match &normals[m] {
-                Some(known) => known,
-                None => normals[m].insert(normals_of(mesh)?),
-            };
-            let world_from_mesh = instance.world_from_mesh;
-            all.add_parts(mesh, (i as u32, instance.mesh), world_from_mesh);
-            all.add_vertices(mesh, normals, world_from_mesh)?;
+            if all.normals[m].is_none() {
+                all.normals[m] = Some(normals_of(mesh)?);
+            }
+            all.add_parts(mesh, (i as u32, instance.mesh), instance.world_from_mesh);
+            all.add_vertices(mesh, instance, used[m].get_or_insert_with(|| used_by(mesh)))?;
         }
-        all.bounds = Aabb::of(
-            all.triangles
-                .iter()
-                .flatten()
-                .map(|&v| all.positions[v as usize]),
-        );
         Ok(all)
     }
 
     fn add_parts(&mut self, mesh: &'a TriMesh, (instance, mesh_index): (u32, u32), matrix: Mat4) {
-        let first_vertex = self.positions.len() as u32;
+        let ranges = mesh.ranges_or_whole();
         for MaterialRange {
             first,
             count,
             material,
             ..
-        } in mesh.ranges_or_whole()
+        } in ranges.into_iter().filter(|range| range.count > 0)
         {
-            let first_triangle = self.triangles.len() as u32;
             let part = self.parts.len() as u32;
-            let range = first as usize..(first + count) as usize;
-            let shifted = mesh.triangles[range]
-                .iter()
-                .map(|t| t.map(|v| v + first_vertex));
-            self.triangles.extend(shifted);
-            self.part_of.resize(self.triangles.len(), part);
+            let first_triangle = self.triangles as u32;
+            self.triangles += count as usize;
+            self.blocks.resize(self.triangles.div_ceil(BLOCK), part);
             self.parts.push(Part {
                 mesh,
                 instance,
                 mesh_index,
-                first_vertex,
                 first_triangle,
                 first_of_mesh: first,
                 count,
@@ -92,27 +111,115 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    fn add_vertices(&mut self, mesh: &TriMesh, normals: &[Vec3], matrix: Mat4) -> Result<()> {
-        if matrix == Mat4::IDENTITY {
-            self.positions.extend(&mesh.positions);
-            self.normals.extend(normals);
-            return Ok(());
-        }
-        let start = self.positions.len();
-        self.positions
-            .extend(mesh.positions.iter().map(|&p| placed(matrix, p)));
-        if let Some(index) = self.positions[start..].iter().position(|p| !p.is_finite()) {
+    /// Adds an instance; `used` are the vertices that its triangles have.
+    fn add_vertices(&mut self, mesh: &'a TriMesh, instance: &Instance, used: &[u32]) -> Result<()> {
+        let matrix = instance.world_from_mesh;
+        let placed = Placed {
+            mesh,
+            mesh_index: instance.mesh,
+            first_vertex: self.vertices as u32,
+            world_from_mesh: (matrix != Mat4::IDENTITY).then_some(matrix),
+        };
+        let mut places = (0..mesh.positions.len()).map(|v| placed.position(v));
+        if let Some(index) = places.position(|p| !p.is_finite()) {
             let what = "placed position".into();
             return Err(Error::NotFinite { what, index });
         }
-        let [x, y, z] = normal_columns(matrix);
-        let turned = |n: &Vec3| unit_or_zero(x * n.x + y * n.y + z * n.z);
-        self.normals.extend(normals.iter().map(turned));
+        let places = used.iter().map(|&v| placed.position(v as usize));
+        self.bounds = places.fold(self.bounds, Aabb::with);
+        self.vertices += mesh.positions.len();
+        self.placed.push(placed);
         Ok(())
+    }
+
+    /// Part that triangle `t` is of.
+    #[inline]
+    pub(super) fn part_of(&self, t: u32) -> &Part<'a> {
+        let mut part = self.blocks[t as usize / BLOCK] as usize;
+        while t - self.parts[part].first_triangle >= self.parts[part].count {
+            part += 1;
+        }
+        &self.parts[part]
+    }
+
+    /// Index of the part of the first triangle of a block.
+    pub(super) fn part_before(&self, t: usize) -> usize {
+        self.blocks[t / BLOCK] as usize
+    }
+
+    /// Vertices of triangle `t`, as numbered through all instances.
+    #[inline]
+    pub(super) fn vertices_of(&self, t: u32) -> [u32; 3] {
+        let part = self.part_of(t);
+        let first = self.placed[part.instance as usize].first_vertex;
+        part.triangle(t).map(|v| v + first)
+    }
+
+    /// Corners of triangle `t` in the world.
+    pub(super) fn positions_of(&self, t: u32) -> [Vec3; 3] {
+        let part = self.part_of(t);
+        let placed = &self.placed[part.instance as usize];
+        part.triangle(t).map(|v| placed.position(v as usize))
+    }
+
+    /// Normals at the corners of triangle `t` in the world; of length 1 or zero.
+    pub(super) fn normals_of(&self, t: u32) -> [Vec3; 3] {
+        let part = self.part_of(t);
+        let placed = &self.placed[part.instance as usize];
+        let own = self.normals[placed.mesh_index as usize].as_deref();
+        let own = own.unwrap_or_default();
+        let own = part.triangle(t).map(|v| own[v as usize]);
+        let Some(matrix) = placed.world_from_mesh else {
+            return own;
+        };
+        let [x, y, z] = normal_columns(matrix);
+        own.map(|n| unit_or_zero(x * n.x + y * n.y + z * n.z))
+    }
+
+    /// Number of the first vertex of a part's instance.
+    pub(super) fn first_vertex(&self, part: &Part<'_>) -> u32 {
+        self.placed[part.instance as usize].first_vertex
+    }
+
+    /// Vertices `range`, as numbered through all instances, in the world.
+    pub(super) fn positions(&self, range: Range<usize>) -> impl Iterator<Item = Vec3> + '_ {
+        let after = |v: usize| {
+            self.placed
+                .partition_point(|p| p.first_vertex as usize <= v)
+        };
+        let first = after(range.start).saturating_sub(1);
+        self.placed[first..].iter().flat_map(move |placed| {
+            let start = placed.first_vertex as usize;
+            let end = range.end.min(start + placed.mesh.positions.len());
+            (range.start.max(start)..end).map(move |v| placed.position(v - start))
+        })
     }
 }
 
-/// Vertices and triangles with all instances have to be countable by 32 bits.
+impl Part<'_> {
+    /// Triangle `t` of all in the vertices of the mesh.
+    #[inline]
+    pub(super) fn triangle(&self, t: u32) -> [u32; 3] {
+        self.mesh.triangles[(t - self.first_triangle + self.first_of_mesh) as usize]
+    }
+}
+
+/// Vertices that some triangle has, ascending.
+fn used_by(mesh: &TriMesh) -> Vec<u32> {
+    let mut used = vec![false; mesh.positions.len()];
+    for &v in mesh.triangles.iter().flatten() {
+        used[v as usize] = true;
+    }
+    let all = 0..mesh.positions.len() as u32;
+    all.filter(|&v| used[v as usize]).collect()
+}
+
+/// Vertices or triangles that repeated meshes may have: 16 bytes each in every
+/// picture, 4 GiB.
+const REPEATED: usize = 1 << 28;
+
+/// Vertices and triangles with all instances have to be countable by 32 bits,
+/// and a picture has to fit into memory.
 fn check_size(model: &Model<'_>) -> Result<()> {
     let total = |len: fn(&TriMesh) -> usize| {
         let lens = model.instances.iter();
@@ -121,12 +228,19 @@ fn check_size(model: &Model<'_>) -> Result<()> {
         })
     };
     let limit = u32::MAX as usize - 1;
-    for (what, found) in [
-        ("vertices", total(|m| m.positions.len())),
-        ("triangles", total(|m| m.triangles.len())),
-    ] {
+    let lens: [(&str, fn(&TriMesh) -> usize); 2] = [
+        ("vertices", |m| m.positions.len()),
+        ("triangles", |m| m.triangles.len()),
+    ];
+    for (what, len) in lens {
+        let found = total(len);
         if found > limit {
             return Err(Error::TooLarge { what, found, limit });
+        }
+        let alone: usize = model.meshes.iter().map(|m| len(m)).sum();
+        let limit = alone.max(REPEATED);
+        if found > limit {
+            return Err(Error::Unfolds { what, found, limit });
         }
     }
     Ok(())

@@ -28,7 +28,7 @@ impl<'a> Pass<'a> {
     ) -> Result<Self> {
         let geometry = &renderer.geometry;
         let view = View::of_samples(camera, geometry.bounds, options)?;
-        let corners = project(&view, &geometry.positions);
+        let corners = project(&view, geometry);
         let samples = |pixels: u32| 0..(pixels * options.samples) as i32;
         let picked = Picked {
             view: &view,
@@ -65,7 +65,8 @@ impl<'a> Pass<'a> {
 
     #[inline]
     pub(super) fn corners_of(&self, t: u32) -> [Corner; 3] {
-        self.geometry.triangles[t as usize].map(|v| self.corners[v as usize])
+        let vertices = self.geometry.vertices_of(t);
+        vertices.map(|v| self.corners[v as usize])
     }
 
     /// Where on a triangle a sample lies that it covers.
@@ -75,7 +76,7 @@ impl<'a> Pass<'a> {
         if corners.iter().all(|c| c.outside == 0) {
             return Place::of_corners(&self.view, &corners, column, row);
         }
-        let corners = self.geometry.homogeneous(&self.view, t as usize);
+        let corners = self.geometry.homogeneous(&self.view, t);
         Place::of_homogeneous(&corners, column, row)
     }
 }
@@ -87,13 +88,13 @@ impl Pass<'_> {
         if corners.iter().all(|c| c.outside == 0) {
             return Steps::of_corners(&corners);
         }
-        Steps::of_homogeneous(&self.geometry.homogeneous(&self.view, t as usize))
+        Steps::of_homogeneous(&self.geometry.homogeneous(&self.view, t))
     }
 }
 
 impl Geometry<'_> {
-    pub(super) fn homogeneous(&self, view: &View, t: usize) -> [Homogeneous; 3] {
-        self.triangles[t].map(|v| view.homogeneous(self.positions[v as usize]))
+    pub(super) fn homogeneous(&self, view: &View, t: u32) -> [Homogeneous; 3] {
+        self.positions_of(t).map(|p| view.homogeneous(p))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Vertices on the grid of sub-pixels.
 
+use super::geometry::Geometry;
 use super::view::View;
 use crate::geom::Vec3;
 use rayon::prelude::*;
@@ -22,16 +23,16 @@ pub(super) struct Corner {
 /// Vertices a task.
 const CHUNK: usize = 4096;
 
-pub(super) fn project(view: &View, positions: &[Vec3]) -> Vec<Corner> {
-    let mut corners = vec![Corner::default(); positions.len()];
-    corners
-        .par_chunks_mut(CHUNK)
-        .zip(positions.par_chunks(CHUNK))
-        .for_each(|(corners, positions)| {
-            for (corner, &p) in corners.iter_mut().zip(positions) {
-                *corner = project_one(view, p);
-            }
-        });
+/// All vertices, as they are numbered through all instances.
+pub(super) fn project(view: &View, geometry: &Geometry<'_>) -> Vec<Corner> {
+    let mut corners = vec![Corner::default(); geometry.vertices];
+    let chunks = corners.par_chunks_mut(CHUNK).enumerate();
+    chunks.for_each(|(c, corners)| {
+        let range = c * CHUNK..c * CHUNK + corners.len();
+        for (corner, p) in corners.iter_mut().zip(geometry.positions(range)) {
+            *corner = project_one(view, p);
+        }
+    });
     corners
 }
 

@@ -51,7 +51,8 @@ impl<'a> Renderer<'a> {
     /// [`Error::BadRange`] for damaged meshes, [`Error::NotFinite`] for positions
     /// and matrices, [`Error::BadReference`] for materials and textures that do
     /// not exist, [`Error::TooLarge`] if 32 bits cannot count the vertices or
-    /// triangles of all instances.
+    /// triangles of all instances, [`Error::Unfolds`] if these are more than 2^28
+    /// and more than those of the meshes.
     pub fn of_model(model: &Model<'a>) -> Result<Self> {
         model.check()?;
         Ok(Self {
@@ -127,7 +128,7 @@ impl<'a> Renderer<'a> {
 
     #[inline]
     pub(super) fn part_of(&self, triangle: u32) -> &Part<'a> {
-        &self.geometry.parts[self.geometry.part_of[triangle as usize] as usize]
+        self.geometry.part_of(triangle)
     }
 
     #[inline]

@@ -107,9 +107,7 @@ impl<'s> Sample<'s> {
     /// Vertices in the part's mesh.
     #[inline]
     fn vertices(&self) -> [usize; 3] {
-        let first = self.part.first_vertex;
-        let geometry = &self.shader.renderer.geometry;
-        geometry.triangles[self.triangle as usize].map(|v| (v - first) as usize)
+        self.part.triangle(self.triangle).map(|v| v as usize)
     }
 
     /// What a texture holds here; `None` without texture or without UVs for it.
@@ -155,8 +153,7 @@ impl<'s> Sample<'s> {
             return None;
         }
         let geometry = &self.shader.renderer.geometry;
-        let [a, b, c] =
-            geometry.triangles[self.triangle as usize].map(|v| geometry.normals[v as usize]);
+        let [a, b, c] = geometry.normals_of(self.triangle);
         unit(a * self.weights[0] + b * self.weights[1] + c * self.weights[2])
     }
 
@@ -170,7 +167,7 @@ impl<'s> Sample<'s> {
 
     fn corners(&self) -> [Vec3; 3] {
         let geometry = &self.shader.renderer.geometry;
-        geometry.triangles[self.triangle as usize].map(|v| geometry.positions[v as usize])
+        geometry.positions_of(self.triangle)
     }
 
     /// The normal of a normal map.

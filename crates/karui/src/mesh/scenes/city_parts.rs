@@ -70,10 +70,7 @@ impl CityParts {
         let images: Vec<u32> = known.collect();
         let textures = part.textures.iter().map(|texture| {
             let image = texture.image.map(|i| images[i as usize]);
-            let texture = Texture {
-                image,
-                ..*texture
-            };
+            let texture = Texture { image, ..*texture };
             place(&mut self.scene.textures, &texture)
         });
         let textures: Vec<u32> = textures.collect();
