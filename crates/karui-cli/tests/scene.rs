@@ -68,7 +68,7 @@ fn a_forest_renders_and_has_levels() {
     let folder = Folder::new();
     folder.ok("scene forest --count 200 --kinds conifer -o a.glb");
     folder.ok("render a.glb -o a.png --size 320x200");
-    folder.ok("lod a.glb -o lods --ratios 0.5");
+    folder.ok("lod a.glb -o lods --ratio 0.5");
     folder.ok("convert a.glb a.ply");
     let info = &folder.ok("info a.ply --json").json()[0];
     // 128 x 128 cells of ground.

@@ -216,6 +216,9 @@ fn new_placements_round_trip_and_are_small() {
     assert_eq!(again.instance_count(), 2000);
     let extension = |n: usize| &json["nodes"][n]["extensions"];
     assert_eq!(extension(0), extension(1));
+    let shared = again.nodes.iter().map(|n| n.placements.as_ref().unwrap());
+    let shared: Vec<_> = shared.collect();
+    assert!(Arc::ptr_eq(shared[0], shared[1]));
 }
 
 #[test]

@@ -29,9 +29,11 @@ const INSTANCE: usize = 80;
 /// Bytes a value of a placement takes at most.
 const VALUE: usize = 16;
 
-/// Sets [`Node::placements`] of all nodes.
+/// Sets [`Node::placements`] of all nodes; those that name the same accessors,
+/// as levels of detail do, share theirs.
 pub(super) fn read_all(document: &Document, budget: &Budget, nodes: &mut [Node]) -> Result<()> {
     let raw = json::array(&document.json, "nodes", &ROOT)?;
+    let mut known: HashMap<String, Arc<Placements>> = HashMap::new();
     for (n, (node, raw)) in nodes.iter_mut().zip(raw).enumerate() {
         let Some(extension) = json::extension(raw, INSTANCING) else {
             continue;
@@ -39,8 +41,16 @@ pub(super) fn read_all(document: &Document, budget: &Budget, nodes: &mut [Node])
         let at = ROOT.item("nodes", n);
         let at = at.key("extensions");
         let at = at.key(INSTANCING);
-        let placements = read(document, budget, extension, &at.key("attributes"))?;
-        node.placements = placements.map(Arc::new);
+        let at = at.key("attributes");
+        let key = extension["attributes"].to_string();
+        if let Some(same) = known.get(&key) {
+            budget.take(same.len(), INSTANCE, &at)?;
+            node.placements = Some(same.clone());
+        } else if let Some(placements) = read(document, budget, extension, &at)? {
+            let placements = Arc::new(placements);
+            node.placements = Some(placements.clone());
+            known.insert(key, placements);
+        }
     }
     Ok(())
 }
@@ -160,6 +170,9 @@ pub(super) fn write_all(
             }
             continue;
         };
+        if was.is_some_and(|was| Arc::ptr_eq(was, placements)) {
+            continue;
+        }
         if placements.is_empty() {
             // An accessor cannot be empty; what is shown nowhere has no mesh.
             for key in ["mesh", "skin", "weights"] {

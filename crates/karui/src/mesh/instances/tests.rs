@@ -233,3 +233,46 @@ proptest! {
         prop_assert!((a.min - all.min).length() < 1e-4 && (a.max - all.max).length() < 1e-4);
     }
 }
+
+#[test]
+fn placements_are_drawn_as_nodes_are_and_not_without_end() {
+    use crate::geom::{Camera, Light};
+    use crate::render::{RenderOptions, Renderer, render};
+    let turn = |i: usize| Quat::from_rotation_y(0.7 * i as f32);
+    let scale = |i: usize| {
+        Vec3::new(
+            1.0,
+            0.5 + 0.1 * i as f32,
+            if i % 2 == 0 { 1.0 } else { -1.0 },
+        )
+    };
+    let place = |i: usize| Vec3::new(2.0 * i as f32, 0.3 * i as f32, -1.5 * i as f32);
+    let mut scene = placed(
+        shapes::torus(0.8, 0.3, 24, 12),
+        Placements {
+            rotations: Some((0..7).map(turn).collect()),
+            scales: Some((0..7).map(scale).collect()),
+            ..at((0..7).map(place).collect())
+        },
+    );
+    let nodes = spelled_out(&scene);
+    let camera = Camera::looking_at(scene.bounds(), Vec3::new(0.3, 0.5, 1.0), 0.7);
+    let options = RenderOptions {
+        width: 160,
+        height: 120,
+        ..RenderOptions::default()
+    };
+    let light = [Light::Directional {
+        direction: Vec3::new(0.2, -1.0, -0.4),
+        color: Vec3::ONE,
+        intensity: 1.0,
+    }];
+    let draw = |scene| render(scene, &[], &camera, &light, &options).unwrap();
+    let (a, b) = (draw(&scene), draw(&nodes));
+    assert!(a.color == b.color && a.depth == b.depth);
+    assert!(a.depth.iter().any(|d| d.is_finite()));
+    // More than a picture has memory for.
+    scene.nodes[0].placements = Some(Arc::new(at(vec![Vec3::ZERO; 1_000_000])));
+    let error = Renderer::new(&scene, &[]).unwrap_err();
+    assert!(matches!(error, Error::Unfolds { .. }), "{error}");
+}

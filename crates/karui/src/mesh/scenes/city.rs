@@ -158,7 +158,7 @@ impl<'a> Streets<'a> {
 
     /// A tile of street along z, turned by `yaw`.
     fn street(&mut self, random: &mut Random, centre: Vec3, yaw: f32) {
-        self.add(CityRole::Road, random, centre, yaw + FRAC_PI_2);
+        self.add(CityRole::Road, random, centre, yaw);
         let beside = |x: f32, y: f32, z: f32| centre + turned(Vec3::new(x, y, z), yaw);
         for side in [0.0, PI] {
             let lane = if side == 0.0 { -0.3 } else { 0.3 };
@@ -167,7 +167,7 @@ impl<'a> Streets<'a> {
                 self.add(CityRole::Car, random, beside(lane, TOP, z), yaw + side);
             }
         }
-        for (side, x) in [(0.0, 0.85), (PI, -0.85)] {
+        for (side, x) in [(0.0, 0.92), (PI, -0.92)] {
             let draw = random.next();
             let z = random.between(0.2, 0.8);
             if draw < 0.35 {

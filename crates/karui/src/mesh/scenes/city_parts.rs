@@ -6,15 +6,14 @@ use crate::mesh::{Material, Scene, Texture, TextureRef, TriMesh, shapes};
 use glam::{Mat4, Vec3};
 
 /// What a part of a city is used as. Tiles are 2 x 2 units with their centre
-/// at the origin; streets run along z; fronts and arms of lights show where
-/// [`CityRole`] says.
+/// at the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CityRole {
     /// A tile with a house, its front at +z.
     Building,
     /// An empty tile.
     Plot,
-    /// A tile with a straight street along x.
+    /// A tile with a straight street along z.
     Road,
     /// A tile where streets cross.
     Junction,
@@ -218,14 +217,8 @@ fn road() -> TriMesh {
     slab(&mut road);
     road.paint(ASPHALT);
     for side in [-0.85f32, 0.85] {
-        let (low, high) = (side - 0.15, side + 0.15);
-        road.block(
-            [
-                Vec3::new(-1.0, TILE, low),
-                Vec3::new(1.0, TILE + 0.02, high),
-            ],
-            false,
-        );
+        let low = Vec3::new(side - 0.15, TILE, -1.0);
+        road.block([low, low + Vec3::new(0.3, 0.02, 2.0)], false);
     }
     road.paint(STONE);
     road.finish()

@@ -159,13 +159,14 @@ fn add_tree(scene: &mut Scene, options: &ForestOptions, number: usize, places: P
     let mesh = add_mesh(scene, &name, tree_model(kind, red, seed));
     let node = add_places(scene, mesh, places);
     if let (Some(node), true) = (node, options.lods) {
-        link_lod(scene, node, &format!("{name} simplified"), kind, red);
+        let name = format!("{name} simplified");
+        let mesh = add_mesh(scene, &name, tree_lod(kind, red));
+        link_lod(scene, node, &name, mesh);
     }
 }
 
-/// Adds a node with the simplified tree that stands in for `node`.
-pub(super) fn link_lod(scene: &mut Scene, node: u32, name: &str, kind: TreeKind, red: bool) {
-    let mesh = add_mesh(scene, name, tree_lod(kind, red));
+/// Adds a node that stands in for `node` with a simplified mesh.
+pub(super) fn link_lod(scene: &mut Scene, node: u32, name: &str, mesh: u32) {
     let shown = &scene.nodes[node as usize];
     let stand_in = Node {
         name: Some(name.into()),

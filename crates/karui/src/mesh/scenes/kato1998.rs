@@ -3,8 +3,10 @@
 
 use super::build::{Painter, add_mesh, add_root};
 use super::forest::link_lod;
-use super::trees::{BARK, TreeKind, crown, crown_lod, materials, tree_model, trunk, trunk_lod};
-use crate::mesh::{LodLinks, Node, Scene, Transform, TriMesh, random::Random};
+use super::trees::{
+    BARK, TreeKind, crown, crown_lod, materials, tree_lod, tree_model, trunk, trunk_lod,
+};
+use crate::mesh::{Node, Scene, Transform, TriMesh, random::Random};
 use glam::{Quat, Vec3};
 
 /// Trees that are red where colours are mixed, 5 of 32.
@@ -21,20 +23,18 @@ pub fn kato1998_32_trees(mixed: bool) -> Scene {
         ..Scene::default()
     };
     let kind = TreeKind::Conifer;
-    let meshes = [("green", false), ("red", true)]
-        .map(|(name, red)| add_mesh(&mut scene, name, tree_model(kind, red, 1)));
+    let meshes = [("green", false), ("red", true)].map(|(name, red)| {
+        let mesh = add_mesh(&mut scene, name, tree_model(kind, red, 1));
+        let simple = format!("{name} simplified");
+        [mesh, add_mesh(&mut scene, &simple, tree_lod(kind, red))]
+    });
     let mut random = Random(1998);
     for i in 0..32 {
         let red = mixed && RED_TREES.contains(&i);
         let at = Vec3::new((i % 4) as f32 * 8.0 - 12.0, 0.0, (i / 4) as f32 * -8.0);
-        let node = Node {
-            name: Some(format!("tree {i}")),
-            mesh: Some(meshes[usize::from(red)]),
-            transform: standing(at, 2.0, &mut random),
-            ..Node::default()
-        };
-        let node = add_root(&mut scene, node);
-        link_lod(&mut scene, node, &format!("tree {i} simplified"), kind, red);
+        let transform = standing(at, 2.0, &mut random);
+        let meshes = meshes[usize::from(red)];
+        add_pair(&mut scene, &format!("tree {i}"), meshes, transform);
     }
     scene
 }
@@ -84,7 +84,7 @@ pub fn kato1998_wide(seed: u64) -> Scene {
         "tree B",
         tree_model(TreeKind::Conifer, false, 1),
     );
-    let simple = super::tree_lod(TreeKind::Conifer, false);
+    let simple = tree_lod(TreeKind::Conifer, false);
     let simple = add_mesh(&mut scene, "tree B simplified", simple);
     for i in 0..400 {
         let at = Vec3::new(
@@ -122,16 +122,12 @@ fn standing(at: Vec3, off: f32, random: &mut Random) -> Transform {
 
 /// A root and the simplified node that stands in for it.
 fn add_pair(scene: &mut Scene, name: &str, [mesh, simple]: [u32; 2], transform: Transform) {
-    let node = |name: String, mesh| Node {
-        name: Some(name),
+    let node = Node {
+        name: Some(name.into()),
         mesh: Some(mesh),
         transform,
         ..Node::default()
     };
-    let shown = add_root(scene, node(name.into(), mesh));
-    scene.nodes[shown as usize].lods = Some(LodLinks {
-        nodes: vec![shown + 1],
-        coverage: vec![0.1, 0.0],
-    });
-    scene.nodes.push(node(format!("{name} simplified"), simple));
+    let node = add_root(scene, node);
+    link_lod(scene, node, &format!("{name} simplified"), simple);
 }
