@@ -33,9 +33,9 @@ impl Random {
         low + (high - low) * self.next()
     }
 
-    /// Below `count`, which is not 0 and below 2^32.
+    /// Below `count`, which is not 0.
     pub fn below(&mut self, count: usize) -> usize {
-        ((self.bits() >> 32) * count as u64 >> 32) as usize
+        ((u128::from(self.bits()) * count as u128) >> 64) as usize
     }
 
     /// In the unit ball.

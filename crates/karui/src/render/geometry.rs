@@ -227,13 +227,8 @@ fn check_size(model: &Model<'_>) -> Result<()> {
             sum.saturating_add(len(model.meshes[i.mesh as usize]))
         })
     };
-    let limit = u32::MAX as usize - 1;
-    let lens: [(&str, fn(&TriMesh) -> usize); 2] = [
-        ("vertices", |m| m.positions.len()),
-        ("triangles", |m| m.triangles.len()),
-    ];
-    for (what, len) in lens {
-        let found = total(len);
+    let check = |what, len: fn(&TriMesh) -> usize| {
+        let (found, limit) = (total(len), u32::MAX as usize - 1);
         if found > limit {
             return Err(Error::TooLarge { what, found, limit });
         }
@@ -242,8 +237,10 @@ fn check_size(model: &Model<'_>) -> Result<()> {
         if found > limit {
             return Err(Error::Unfolds { what, found, limit });
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    check("vertices", |m| m.positions.len())?;
+    check("triangles", |m| m.triangles.len())
 }
 
 /// The mesh's own normals as far as they are good, else smooth ones by area:

@@ -243,7 +243,7 @@ fn placements_are_drawn_as_nodes_are_and_not_without_end() {
         Vec3::new(
             1.0,
             0.5 + 0.1 * i as f32,
-            if i % 2 == 0 { 1.0 } else { -1.0 },
+            if i.is_multiple_of(2) { 1.0 } else { -1.0 },
         )
     };
     let place = |i: usize| Vec3::new(2.0 * i as f32, 0.3 * i as f32, -1.5 * i as f32);
