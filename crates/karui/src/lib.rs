@@ -7,6 +7,7 @@
 pub mod error;
 pub mod geom;
 pub mod hierarchy;
+pub mod hlod;
 pub mod lod;
 pub mod mesh;
 pub mod metrics;
