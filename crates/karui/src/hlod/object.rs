@@ -15,7 +15,7 @@ const LARGEST: f64 = 1e90;
 pub struct Object {
     /// Box around it, world units.
     pub bounds: Bounds,
-    /// Volume, cubic world units; 0 or more.
+    /// Volume, cubic world units; 0 or more. Of a group, that of all in it.
     pub volume: f64,
     /// Area of the surface that is seen, square world units; 0 or more. The weight
     /// of colour and velocity in a group.
@@ -27,12 +27,14 @@ pub struct Object {
 }
 
 impl Object {
-    /// What both are together: the box around both; the volume of that box, but
-    /// no less than the two volumes; the mean of colours and velocities, weighted
-    /// by area.
+    /// What both are together: the box around both, the sum of volumes and areas,
+    /// the mean of colours and velocities weighted by area.
+    ///
+    /// The volume is that of what is in the group, not of the box that is drawn for
+    /// it: a group whose box counted as full would take in for nothing whatever lies
+    /// in that box.
     #[must_use]
     pub fn merged(&self, other: &Self) -> Self {
-        let bounds = self.bounds.union(&other.bounds);
         let area = self.area + other.area;
         let share = if area > 0.0 { other.area / area } else { 0.5 };
         let mean = |a: Vec3, b: Vec3| {
@@ -41,8 +43,8 @@ impl Object {
             mixed.clamp(a.min(b), a.max(b))
         };
         Self {
-            bounds,
-            volume: merged_volume(bounds.volume(), self.volume + other.volume),
+            bounds: self.bounds.union(&other.bounds),
+            volume: self.volume + other.volume,
             area,
             color: mean(self.color, other.color),
             velocity: mean(self.velocity, other.velocity),
@@ -91,12 +93,6 @@ impl Object {
     }
 }
 
-/// V12: the volume of the box around both, but no less than the two together,
-/// which may stick into each other or be thicker than their boxes.
-pub(super) fn merged_volume(of_box: f64, of_both: f64) -> f64 {
-    of_box.max(of_both)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,15 +114,10 @@ mod tests {
     #[test]
     fn a_group_is_its_box_and_the_mean_of_what_is_seen() {
         let group = ball(0.0, 1.0, Vec3::X).merged(&ball(3.0, 3.0, Vec3::Y));
-        assert_eq!(group.volume, 4.0);
+        assert_eq!((group.volume, group.bounds.volume()), (1.0, 4.0));
         assert_eq!(group.area, 4.0);
         assert_eq!(group.color, Vec3::new(0.25, 0.75, 0.0));
-        let thick = Object {
-            volume: 7.0,
-            ..ball(0.0, 0.0, Vec3::X)
-        };
-        let group = thick.merged(&ball(0.0, 0.0, Vec3::Y));
-        assert_eq!(group.volume, 7.5);
+        let group = ball(0.0, 0.0, Vec3::X).merged(&ball(0.0, 0.0, Vec3::Y));
         assert_eq!(group.color, Vec3::new(0.5, 0.5, 0.0));
     }
 

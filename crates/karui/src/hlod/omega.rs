@@ -1,6 +1,6 @@
 //! How much two things are seen as two.
 
-use super::object::{Object, merged_volume};
+use super::object::Object;
 use super::oklab::oklab;
 use crate::error::{Error, Result};
 use crate::geom::Vec3;
@@ -17,7 +17,7 @@ use crate::geom::Vec3;
 pub struct OmegaOptions {
     /// a_p, of the gap between the two boxes. Default: 1.
     pub proximity: f64,
-    /// a_s, of the share that the merged shape adds. Default: 0.5.
+    /// a_s, of the share of the merged shape that is empty. Default: 0.5.
     pub shape: f64,
     /// a_c, of the distance between mean colours. Default: 2.
     pub color: f64,
@@ -140,8 +140,9 @@ impl Seen {
 /// `Omega0` of two objects or groups: Omega when they are
 /// [`OmegaOptions::distance`] away. 0 is one and the same to the eye.
 ///
-/// The gap is the distance between the boxes (0 where they touch); a merged shape
-/// without volume adds nothing (0 / 0 is 0); otherwise equations 3 to 11.
+/// The gap is the distance between the boxes (0 where they touch); the merged shape
+/// is the box around both, and one without volume adds nothing (0 / 0 is 0);
+/// otherwise equations 3 to 11.
 #[must_use]
 pub fn omega0(a: &Object, b: &Object, options: &OmegaOptions) -> f64 {
     between(
@@ -157,7 +158,7 @@ pub(super) fn between(a: &Seen, b: &Seen, options: &OmegaOptions) -> f64 {
     let volumes = x.volume + y.volume;
     let unlike = Unlike {
         gap: x.bounds.gap(&y.bounds),
-        shape: added(merged_volume(around.volume(), volumes), volumes),
+        shape: added(around.volume(), volumes),
         color: f64::from((a.shade - b.shade).length()),
         diagonal: around.diagonal(),
     };
@@ -190,9 +191,9 @@ impl Unlike {
     }
 }
 
-/// M_s (equation 7): the share of the merged volume that neither has.
-#[inline]
-pub(super) fn added(merged: f64, volumes: f64) -> f64 {
+/// M_s (equation 7): the share of the merged shape, a box, that neither fills.
+/// Things that stick into each other or out of the box may fill more than it has.
+fn added(merged: f64, volumes: f64) -> f64 {
     if merged > 0.0 {
         (1.0 - volumes / merged).max(0.0)
     } else {

@@ -130,10 +130,9 @@ impl Tree {
 
     /// A group and all it is in, the root last.
     fn path(&self, group: u32) -> Vec<u32> {
-        let parent = |&group: &u32| Some(self.groups[group as usize].parent);
-        std::iter::successors(Some(group), parent)
-            .take_while(|&group| group != NONE)
-            .collect()
+        let is_group = |&group: &u32| group != NONE;
+        let parent = |&group: &u32| Some(self.groups[group as usize].parent).filter(is_group);
+        std::iter::successors(Some(group).filter(is_group), parent).collect()
     }
 
     /// What hangs on the groups of `path`, or `alone` if there are none; and the

@@ -12,8 +12,7 @@ pub use view::View;
 use super::slots::Slot;
 use super::tree::Tree;
 use crate::error::Result;
-use limit::Candidate;
-use std::collections::BinaryHeap;
+use limit::Groups;
 use std::ops::Range;
 use view::{Eye, Open};
 
@@ -22,7 +21,7 @@ use view::{Eye, Open};
 pub struct Walk {
     list: DrawList,
     open: Vec<(Range<usize>, Open)>,
-    candidates: BinaryHeap<Candidate>,
+    groups: Groups,
     /// Number of the frame in which every group was taken apart last.
     taken_apart: Vec<u32>,
     frame: u32,
