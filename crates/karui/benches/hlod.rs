@@ -16,7 +16,11 @@ fn forest(side: u32) -> Vec<Object> {
     let mixed = |i: u32, k: u32| (i.wrapping_mul(0x9e37_79b9).wrapping_add(k * 77_777) >> 7) % 97;
     let object = |i: u32| {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| f64::from(mixed(i, k)) / 97.0);
-        let min = DVec3::new(3.0 * f64::from(i % side) + a, 0.0, 3.0 * f64::from(i / side) + b);
+        let min = DVec3::new(
+            3.0 * f64::from(i % side) + a,
+            0.0,
+            3.0 * f64::from(i / side) + b,
+        );
         Object {
             bounds: Bounds {
                 min,
@@ -68,7 +72,10 @@ fn frame(bencher: Bencher<'_, '_>, limit: Option<u64>) {
         ..View::new(camera)
     };
     let mut walk = Walk::default();
-    bencher.bench_local(|| walk.frame(&tree, &view, &assets).map(|list| list.items.len()));
+    bencher.bench_local(|| {
+        walk.frame(&tree, &view, &assets)
+            .map(|list| list.items.len())
+    });
 }
 
 /// One of 100,000 objects moves there and back.

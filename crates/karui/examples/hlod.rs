@@ -46,7 +46,12 @@ fn forest(count: usize, grid: bool) -> Result<Vec<Object>> {
     let mut random = Random(7);
     let shape = Shape::of(&Model::of_mesh(&shapes::icosphere(2)), 0)?;
     let columns = (count as f64).sqrt().ceil() as usize;
-    let colors = [[0.1, 0.4, 0.1], [0.2, 0.5, 0.1], [0.5, 0.1, 0.1], [0.4, 0.4, 0.1]];
+    let colors = [
+        [0.1, 0.4, 0.1],
+        [0.2, 0.5, 0.1],
+        [0.5, 0.1, 0.1],
+        [0.4, 0.4, 0.1],
+    ];
     let object = |i: usize| {
         let (x, z) = ((i % columns) as f64, (i / columns) as f64);
         if grid {
@@ -123,14 +128,19 @@ fn update(tree: &mut Tree) -> Result<()> {
     let mut groups = 0;
     for i in 0..100 {
         let id = i * (count / 100);
-        let Some(&object) = tree.object(id) else { continue };
+        let Some(&object) = tree.object(id) else {
+            continue;
+        };
         let mut moved = object;
         moved.bounds.min.x += 5.0;
         moved.bounds.max.x += 5.0;
         groups += tree.move_object(id, moved)?.added.len();
     }
     let each = start.elapsed().as_secs_f64() * 1e3 / 100.0;
-    println!("  an object moved: {each:.3} ms, {} new groups", groups / 100);
+    println!(
+        "  an object moved: {each:.3} ms, {} new groups",
+        groups / 100
+    );
     tree.validate()
 }
 

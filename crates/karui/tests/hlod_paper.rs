@@ -1,9 +1,7 @@
 //! What the paper shows in its chapter 4, experiment by experiment.
 
 use karui::geom::{Aabb, Camera, Vec3};
-use karui::hlod::{
-    Assets, Bounds, Counts, Levels, Member, Object, Tree, TreeOptions, View, Walk,
-};
+use karui::hlod::{Assets, Bounds, Counts, Levels, Member, Object, Tree, TreeOptions, View, Walk};
 
 /// Edge of a tree, scene units. The paper does not give the layout of its 32 trees;
 /// its figures show them in a dense stand, and its constants say in which unit: to
@@ -27,7 +25,11 @@ fn stand(mixed: bool) -> Vec<Object> {
             bounds,
             volume: bounds.volume(),
             area: 6.0 * SIZE * SIZE,
-            color: if is_red { Vec3::new(0.7, 0.1, 0.2) } else { Vec3::new(0.1, 0.5, 0.1) },
+            color: if is_red {
+                Vec3::new(0.7, 0.1, 0.2)
+            } else {
+                Vec3::new(0.1, 0.5, 0.1)
+            },
             velocity: Vec3::ZERO,
         }
     };
@@ -79,7 +81,12 @@ fn triangles_fall_with_the_threshold_and_less_so_where_colours_are_mixed() {
         println!("{:.3}    {s:10}  {m:5}", k as f64 * 0.001);
     }
     let simplified_only = 32 * 12;
-    assert!(single[..6].iter().chain(&mixed[..6]).all(|&t| t == simplified_only));
+    assert!(
+        single[..6]
+            .iter()
+            .chain(&mixed[..6])
+            .all(|&t| t == simplified_only)
+    );
     assert!(single[30] < simplified_only && mixed[30] < simplified_only);
     assert!(single.is_sorted_by(|a, b| a >= b) && mixed.is_sorted_by(|a, b| a >= b));
     assert!(single.iter().zip(&mixed).all(|(s, m)| s <= m));
@@ -96,7 +103,9 @@ fn red_trees_stay_apart() {
         let count = group.objects().filter(|&o| red(o)).count();
         assert!(count == 0, "{count} of {}", group.object_count());
     }
-    let alone = tree.roots().filter(|r| matches!(r, Member::Object(id) if red(*id)));
+    let alone = tree
+        .roots()
+        .filter(|r| matches!(r, Member::Object(id) if red(*id)));
     assert_eq!(alone.count(), 5);
 }
 

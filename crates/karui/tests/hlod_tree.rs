@@ -268,6 +268,22 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    #[test]
+    fn larger_trees_are_those_of_the_plain_algorithm(
+        objects in prop_oneof![
+            prop::collection::vec(coarse_object(), 200..250),
+            prop::collection::vec(fine_object(), 200..250),
+        ],
+        (options, thresholds) in options(),
+    ) {
+        let tree = Tree::build(objects.clone(), &options).expect("a tree");
+        prop_assert_eq!(found(&tree), plain(&objects, &options, &thresholds));
+    }
+}
+
 fn contents(group: Group<'_>) -> (f64, Object, Vec<Member>, Vec<u32>) {
     (
         group.omega0(),
@@ -321,7 +337,10 @@ fn what_hangs_on_a_group_is_told() {
             };
         }
         assert!(group.children().len() <= 64);
-        assert_eq!((count, group.objects().count()), (group.object_count(), count));
+        assert_eq!(
+            (count, group.objects().count()),
+            (group.object_count(), count)
+        );
     }
     let root = tree.group(*order.last().unwrap()).unwrap();
     assert_eq!((root.parent(), root.object_count()), (None, 100));
@@ -338,7 +357,10 @@ fn nothing_and_one_are_trees_as_well() {
     assert_eq!(tree.roots().collect::<Vec<_>>(), [Member::Object(0)]);
     tree.remove_object(0).unwrap();
     assert_eq!((tree.object_count(), tree.roots().count()), (0, 0));
-    assert!(matches!(tree.remove_object(0), Err(Error::BadReference { .. })));
+    assert!(matches!(
+        tree.remove_object(0),
+        Err(Error::BadReference { .. })
+    ));
     tree.validate().unwrap();
 }
 
@@ -385,7 +407,13 @@ fn work_can_be_stopped() {
 fn degenerate_scenes_take_no_longer() {
     let count = 60_000;
     let line = |i: u32| cube(DVec3::new(f64::from(i), 0.0, 0.0));
-    let spike = |i: u32| cube(DVec3::new(1.1f64.powi((i % 600) as i32), f64::from(i / 600), 0.0));
+    let spike = |i: u32| {
+        cube(DVec3::new(
+            1.1f64.powi((i % 600) as i32),
+            f64::from(i / 600),
+            0.0,
+        ))
+    };
     let mut one_white = grid(245);
     one_white[30_000].color = Vec3::ONE;
     let flat = |i: u32| Object {
@@ -422,10 +450,19 @@ fn degenerate_scenes_take_no_longer() {
 fn a_move_far_away_costs_little_and_leaves_most_groups_alone() {
     let mut tree = Tree::build(grid(100), &TreeOptions::default()).unwrap();
     let groups = tree.group_count();
-    let updated = tree.move_object(5050, cube(DVec3::new(20.5, 4.0, 20.5))).unwrap();
+    let updated = tree
+        .move_object(5050, cube(DVec3::new(20.5, 4.0, 20.5)))
+        .unwrap();
     tree.validate().unwrap();
-    assert!(updated.removed.len() < groups / 20, "{} of {groups}", updated.removed.len());
+    assert!(
+        updated.removed.len() < groups / 20,
+        "{} of {groups}",
+        updated.removed.len()
+    );
     let parent = tree.parent_of_object(5050).unwrap();
     let near = tree.group(parent).unwrap().bounds();
-    assert!(near.diagonal() < 40.0, "it is among its neighbours: {near:?}");
+    assert!(
+        near.diagonal() < 40.0,
+        "it is among its neighbours: {near:?}"
+    );
 }

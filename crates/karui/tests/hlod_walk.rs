@@ -10,7 +10,9 @@ use proptest::prelude::*;
 fn forest(count: u32, origin: DVec3) -> Tree {
     let mut random = 1u64;
     let mut next = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
         (random >> 40) as f64 / (1u64 << 24) as f64
     };
     let object = |_| {
@@ -43,12 +45,11 @@ impl Scene {
             triangles: triangles.to_vec(),
         };
         Self {
-            levels: vec![
-                levels(&[10.0, 40.0], &[720, 105, 12]),
-                levels(&[], &[40]),
-            ],
+            levels: vec![levels(&[10.0, 40.0], &[720, 105, 12]), levels(&[], &[40])],
             levels_of_object: (0..tree.object_capacity() as u32).map(|i| i % 2).collect(),
-            proxies: (0..tree.group_capacity() as u32).map(|i| 8 + i % 5).collect(),
+            proxies: (0..tree.group_capacity() as u32)
+                .map(|i| 8 + i % 5)
+                .collect(),
             tree,
         }
     }
@@ -62,7 +63,9 @@ impl Scene {
     }
 
     fn frame(&self, walk: &mut Walk, view: &View) -> DrawList {
-        let list = walk.frame(&self.tree, view, &self.assets()).expect("a frame");
+        let list = walk
+            .frame(&self.tree, view, &self.assets())
+            .expect("a frame");
         list.clone()
     }
 }
@@ -87,7 +90,9 @@ fn definition(scene: &Scene, view: &View, member: Member, list: &mut Vec<Item>) 
             if distance > 0.0 && group.omega0() / distance < view.threshold {
                 list.push(Item::Group(id));
             } else {
-                group.children().for_each(|child| definition(scene, view, child, list));
+                group
+                    .children()
+                    .for_each(|child| definition(scene, view, child, list));
             }
         }
         (Member::Object(object), _) | (Member::Group(object), None) => {
@@ -106,7 +111,13 @@ fn outside(view: &View, bounds: &Bounds) -> bool {
     };
     let up = karui::geom::tan(0.5 * f64::from(fov_y));
     let corners = (0..8).map(|i| {
-        let pick = |k: usize| if i >> k & 1 == 1 { bounds.max[k] } else { bounds.min[k] };
+        let pick = |k: usize| {
+            if i >> k & 1 == 1 {
+                bounds.max[k]
+            } else {
+                bounds.min[k]
+            }
+        };
         world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)) - view.origin)
     });
     let corners: Vec<DVec3> = corners.collect();
@@ -117,12 +128,17 @@ fn outside(view: &View, bounds: &Bounds) -> bool {
         &|p| up * -p.z + p.y,
         &|p| -p.z,
     ];
-    sides.iter().any(|side| corners.iter().all(|p| side(p) < 0.0))
+    sides
+        .iter()
+        .any(|side| corners.iter().all(|p| side(p) < 0.0))
 }
 
 fn defined(scene: &Scene, view: &View) -> Vec<Item> {
     let mut list = Vec::new();
-    scene.tree.roots().for_each(|root| definition(scene, view, root, &mut list));
+    scene
+        .tree
+        .roots()
+        .for_each(|root| definition(scene, view, root, &mut list));
     list.sort_unstable();
     list
 }
@@ -215,7 +231,13 @@ fn hysteresis_keeps_groups_apart_for_a_while() {
     let mut walk = Walk::default();
     let fine = scene.frame(&mut walk, &at(0.02, 0.2));
     let kept = scene.frame(&mut walk, &at(0.022, 0.2));
-    assert_eq!(kept, DrawList { threshold: 0.022, ..fine.clone() });
+    assert_eq!(
+        kept,
+        DrawList {
+            threshold: 0.022,
+            ..fine.clone()
+        }
+    );
     let without = scene.frame(&mut Walk::default(), &at(0.022, 0.0));
     assert!(without.counts.groups + without.counts.objects < fine.items.len());
     let coarse = scene.frame(&mut walk, &at(0.05, 0.2));
@@ -232,20 +254,45 @@ fn what_does_not_fit_is_refused() {
     let mut walk = Walk::default();
     let assets = scene.assets();
     for bad in [
-        View { threshold: f64::NAN, ..good },
-        View { hysteresis: 1.0, ..good },
-        View { aspect: 0.0, ..good },
-        View { origin: DVec3::NAN, ..good },
+        View {
+            threshold: f64::NAN,
+            ..good
+        },
+        View {
+            hysteresis: 1.0,
+            ..good
+        },
+        View {
+            aspect: 0.0,
+            ..good
+        },
+        View {
+            origin: DVec3::NAN,
+            ..good
+        },
         view([0.0; 3], [0.0; 3]),
     ] {
         assert!(walk.frame(&scene.tree, &bad, &assets).is_err(), "{bad:?}");
     }
-    let short = Assets { proxies: &[], ..assets };
+    let short = Assets {
+        proxies: &[],
+        ..assets
+    };
     assert!(walk.frame(&scene.tree, &good, &short).is_err());
-    let short = Assets { levels_of_object: &[], ..assets };
+    let short = Assets {
+        levels_of_object: &[],
+        ..assets
+    };
     assert!(walk.frame(&scene.tree, &good, &short).is_err());
-    let none = View { threshold: 0.0, frustum: false, ..good };
-    let missing = Assets { levels: &scene.levels[..1], ..assets };
+    let none = View {
+        threshold: 0.0,
+        frustum: false,
+        ..good
+    };
+    let missing = Assets {
+        levels: &scene.levels[..1],
+        ..assets
+    };
     assert!(walk.frame(&scene.tree, &none, &missing).is_err());
     let all = walk.frame(&scene.tree, &none, &assets).unwrap();
     assert_eq!((all.counts.objects, all.counts.groups), (20, 0));

@@ -1,6 +1,6 @@
 //! Merging the pair that is most alike, again and again (section 3.5, figure 6).
 //!
-//! Every cluster knows its nearest partner at the time it last looked, and a heap
+//! Every cluster knows its nearest partner at the time it last looked, and a queue
 //! holds these pairs. What came to be later has looked itself, so the least pair
 //! of all is always there, as it is or as an older one that is no greater; Omega
 //! need not be reducible for that.
@@ -8,14 +8,13 @@
 use super::finder::Finder;
 use super::object::Object;
 use super::omega::{OmegaOptions, Seen};
+use super::queue::{Pair, Queue};
 use super::thresholds::Steps;
 use crate::error::Result;
 use crate::progress::{Progress, step};
 use rayon::prelude::*;
-use std::cmp::{Ordering, Reverse};
-use std::collections::BinaryHeap;
 
-/// Merges between two reports.
+/// Clusters that looked, or merges, between two reports.
 const REPORT: usize = 1 << 14;
 
 /// Two clusters that became one. Clusters are numbered as they come to be: first
@@ -53,29 +52,37 @@ pub(super) fn agglomerate(
     let limit = steps.limit().unwrap_or(f64::INFINITY);
     let look = |finder: &Finder<'_>, cluster: u32| {
         let found = finder.nearest(cluster, limit)?;
-        Some(Reverse(Pair::new(found.omega, cluster, found.cluster)))
+        Some(Pair::new(found.omega, cluster, found.cluster))
     };
-    let clusters = 0..pieces.len() as u32;
-    let first: Vec<_> = clusters
-        .into_par_iter()
-        .filter_map(|cluster| look(&finder, cluster))
-        .collect();
-    let mut heap = BinaryHeap::from(first);
+    let mut pairs = Vec::new();
+    for start in (0..pieces.len()).step_by(REPORT) {
+        step(progress, "neighbours", start as f32 / pieces.len() as f32)?;
+        let end = pieces.len().min(start + REPORT);
+        let clusters = (start as u32..end as u32).into_par_iter();
+        pairs.par_extend(clusters.filter_map(|cluster| look(&finder, cluster)));
+    }
+    let mut queue = Queue::new(pairs);
     let mut rising = steps.rising();
     let mut merges: Vec<Merge> = Vec::new();
-    while let Some(Reverse(pair)) = heap.pop() {
+    while let Some(pair) = queue.pop(|pair| finder.is_active(pair.owner)) {
         if !finder.is_active(pair.owner) {
             continue;
         }
         if !finder.is_active(pair.partner()) {
-            heap.extend(look(&finder, pair.owner));
+            if let Some(next) = look(&finder, pair.owner) {
+                queue.push(next);
+            }
             continue;
         }
         let Some(level) = rising.until_above(pair.omega) else {
             break;
         };
-        if merges.len() % REPORT == 0 {
-            step(progress, "merging", merges.len() as f32 / pieces.len() as f32)?;
+        if merges.len().is_multiple_of(REPORT) {
+            step(
+                progress,
+                "merging",
+                merges.len() as f32 / pieces.len() as f32,
+            )?;
         }
         let members = [pair.older, pair.newer];
         let [a, b] = members.map(|m| finder.seen(m));
@@ -87,48 +94,10 @@ pub(super) fn agglomerate(
             object: merged.object,
         });
         finder.merge(members, merged);
-        heap.extend(look(&finder, (pieces.len() + merges.len() - 1) as u32));
-    }
-    Ok(merges)
-}
-
-/// A pair and who looked for it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pair {
-    omega: f64,
-    newer: u32,
-    older: u32,
-    owner: u32,
-}
-
-impl Pair {
-    fn new(omega: f64, owner: u32, partner: u32) -> Self {
-        Self {
-            omega,
-            newer: owner.max(partner),
-            older: owner.min(partner),
-            owner,
+        let newest = (pieces.len() + merges.len() - 1) as u32;
+        if let Some(next) = look(&finder, newest) {
+            queue.push(next);
         }
     }
-
-    fn partner(&self) -> u32 {
-        self.newer ^ self.older ^ self.owner
-    }
-}
-
-impl Eq for Pair {}
-
-impl Ord for Pair {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let ids = |p: &Self| (p.newer, p.older, p.owner);
-        self.omega
-            .total_cmp(&other.omega)
-            .then_with(|| ids(self).cmp(&ids(other)))
-    }
-}
-
-impl PartialOrd for Pair {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
+    Ok(merges)
 }

@@ -34,7 +34,11 @@ impl Tree {
         for (id, (&slot, &seen)) in (0..).zip(self.object_slots.iter().zip(&is_seen)) {
             holds("every object is in the tree", id, (slot != NONE) == seen)?;
         }
-        holds("groups are counted", groups, groups as usize == self.group_count())
+        holds(
+            "groups are counted",
+            groups,
+            groups as usize == self.group_count(),
+        )
     }
 
     fn validate_slot(&self, parent: u32, slot: &Slot) -> Result<()> {
@@ -49,10 +53,12 @@ impl Tree {
         };
         holds("parents are right", id, noted == parent)?;
         if let Member::Group(id) = slot.member() {
-            let counts = self.slots[slot.children()].iter().map(|c| match c.member() {
-                Member::Object(_) => 1,
-                Member::Group(id) => self.groups[id as usize].objects,
-            });
+            let counts = self.slots[slot.children()]
+                .iter()
+                .map(|c| match c.member() {
+                    Member::Object(_) => 1,
+                    Member::Group(id) => self.groups[id as usize].objects,
+                });
             let right = counts.sum::<u32>() == self.groups[id as usize].objects;
             holds("objects below are counted", id, right && slot.count > 1)?;
         }

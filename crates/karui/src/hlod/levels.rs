@@ -50,7 +50,10 @@ pub(super) fn families(
         omega: omegas[i],
         children: children(merges, pieces, &absorbed, i),
     };
-    (0..merges.len()).filter(|&i| !absorbed[i]).map(family).collect()
+    (0..merges.len())
+        .filter(|&i| !absorbed[i])
+        .map(family)
+        .collect()
 }
 
 fn children(merges: &[Merge], pieces: usize, absorbed: &[bool], merge: usize) -> Vec<u32> {

@@ -44,6 +44,7 @@ mod levels;
 mod object;
 mod oklab;
 mod omega;
+mod queue;
 mod shape;
 mod slots;
 mod thresholds;

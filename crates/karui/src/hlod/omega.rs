@@ -145,11 +145,7 @@ impl Seen {
 /// otherwise equations 3 to 11.
 #[must_use]
 pub fn omega0(a: &Object, b: &Object, options: &OmegaOptions) -> f64 {
-    between(
-        &Seen::new(*a, options),
-        &Seen::new(*b, options),
-        options,
-    )
+    between(&Seen::new(*a, options), &Seen::new(*b, options), options)
 }
 
 pub(super) fn between(a: &Seen, b: &Seen, options: &OmegaOptions) -> f64 {

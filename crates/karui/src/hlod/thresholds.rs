@@ -74,7 +74,11 @@ impl Thresholds {
                     return bad("thresholds.last", last, expected);
                 }
                 let last = Some(count as u32);
-                Ok(Steps { first, by: By::Difference(step), last })
+                Ok(Steps {
+                    first,
+                    by: By::Difference(step),
+                    last,
+                })
             }
             Self::Geometric { ratio, .. } if !(1.01..=1e6).contains(&ratio) => {
                 bad("thresholds.ratio", ratio, "between 1.01 and 1e6")
@@ -85,7 +89,11 @@ impl Thresholds {
                     return bad("thresholds.first", first, "at least 1e-60");
                 }
                 let by = By::Ratio(ratio);
-                Ok(Steps { first, by, last: None })
+                Ok(Steps {
+                    first,
+                    by,
+                    last: None,
+                })
             }
         }
     }

@@ -156,11 +156,7 @@ impl Tree {
 
     /// Groups `pieces`, which have no parents, and makes what comes of them the
     /// roots. Tells the numbers of the groups made.
-    pub(super) fn regroup(
-        &mut self,
-        pieces: &[Slot],
-        progress: &dyn Progress,
-    ) -> Result<Vec<u32>> {
+    pub(super) fn regroup(&mut self, pieces: &[Slot], progress: &dyn Progress) -> Result<Vec<u32>> {
         let objects: Vec<Object> = pieces.iter().map(|p| *self.perceived(p)).collect();
         let merges = agglomerate(&objects, &self.omega, self.steps, progress)?;
         drop(objects);

@@ -77,7 +77,11 @@ impl Part {
         let begin = start(self.first, self.buckets, self.places);
         let middle = start(self.first + half, self.buckets, self.places) - begin;
         let axis = widest(keys);
-        let order = |a: &Key, b: &Key| a.at[axis].total_cmp(&b.at[axis]).then(a.place.cmp(&b.place));
+        let order = |a: &Key, b: &Key| {
+            a.at[axis]
+                .total_cmp(&b.at[axis])
+                .then(a.place.cmp(&b.place))
+        };
         if (1..keys.len()).contains(&middle) {
             keys.select_nth_unstable_by(middle, order);
         }
@@ -106,5 +110,8 @@ fn widest(keys: &[Key]) -> usize {
         }
     }
     let spread = |k: &usize| high[*k] - low[*k];
-    (1..6).fold(0, |best, k| if spread(&k) > spread(&best) { k } else { best })
+    (1..6).fold(
+        0,
+        |best, k| if spread(&k) > spread(&best) { k } else { best },
+    )
 }

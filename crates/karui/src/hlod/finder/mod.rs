@@ -17,6 +17,9 @@ const NONE: u32 = u32::MAX;
 /// Places that share a box of their own, at most.
 const BUCKET: usize = 8;
 
+/// Nodes that may hold a better partner, with their bounds.
+type Open = SmallVec<[(f64, usize); 36]>;
+
 /// Active clusters, ready to be searched.
 pub(super) struct Finder<'a> {
     options: &'a OmegaOptions,
@@ -91,29 +94,50 @@ impl<'a> Finder<'a> {
             omega: limit,
             cluster: 0,
         };
-        let own = self.buckets + self.bucket_of(place);
-        self.search_bucket(own, cluster, seen, &mut best);
-        let mut open: SmallVec<[(f64, usize); 36]> = SmallVec::new();
-        open.push((0.0, 1));
+        let mut node = self.buckets + self.bucket_of(place);
+        self.search_bucket(node, cluster, seen, &mut best);
+        let mut open = Open::new();
+        // From its own place upwards: what is near is mostly what is alike.
+        while node > 1 {
+            let beside = [self.bounded(node ^ 1, &query)];
+            self.note(beside, &best, &mut open);
+            self.search(cluster, &query, &mut open, &mut best);
+            node /= 2;
+        }
+        (best.omega < limit).then_some(best)
+    }
+
+    /// Searches all that is open, the most promising of two children first.
+    fn search(&self, cluster: u32, query: &Query<'_>, open: &mut Open, best: &mut Nearest) {
         while let Some((bound, node)) = open.pop() {
-            if best.beats(bound, self.nodes[node].first) || node == own {
+            if best.beats(bound, self.nodes[node].first) {
                 continue;
             }
             if node >= self.buckets {
-                self.search_bucket(node, cluster, seen, &mut best);
+                self.search_bucket(node, cluster, query.seen, best);
                 continue;
             }
-            let [a, b] = [2 * node, 2 * node + 1].map(|child| {
-                let bound = query.bound(&self.nodes[child], &self.frame, self.options);
-                (bound, child)
-            });
-            let first = |(_, child): (f64, usize)| self.nodes[child].first;
-            let in_order = (a.0, first(a)) <= (b.0, first(b));
-            let order = if in_order { [b, a] } else { [a, b] };
-            let may_hold = |child: &(f64, usize)| !best.beats(child.0, first(*child));
-            open.extend(order.into_iter().filter(may_hold));
+            let [a, b] = [2 * node, 2 * node + 1].map(|child| self.bounded(child, query));
+            let promise = |(bound, node): (f64, usize)| (bound, self.nodes[node].first);
+            let children = if promise(a) <= promise(b) {
+                [b, a]
+            } else {
+                [a, b]
+            };
+            self.note(children, best, open);
         }
-        (best.omega < limit).then_some(best)
+    }
+
+    fn bounded(&self, node: usize, query: &Query<'_>) -> (f64, usize) {
+        let bound = query.bound(&self.nodes[node], &self.frame, self.options);
+        (bound, node)
+    }
+
+    fn note<const N: usize>(&self, nodes: [(f64, usize); N], best: &Nearest, open: &mut Open) {
+        let may_hold = |&(bound, node): &(f64, usize)| !best.beats(bound, self.nodes[node].first);
+        for node in nodes.into_iter().filter(may_hold) {
+            open.push(node);
+        }
     }
 
     fn search_bucket(&self, node: usize, cluster: u32, seen: &Seen, best: &mut Nearest) {

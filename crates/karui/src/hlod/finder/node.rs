@@ -115,7 +115,8 @@ impl Node {
 
 /// A cluster whose partner is looked for.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Query {
+pub(super) struct Query<'a> {
+    pub seen: &'a Seen,
     low: Vec3A,
     high: Vec3A,
     inner_low: Vec3A,
@@ -124,11 +125,12 @@ pub(super) struct Query {
     volume: f32,
 }
 
-impl Query {
-    pub fn new(seen: &Seen, frame: &Frame) -> Self {
+impl<'a> Query<'a> {
+    pub fn new(seen: &'a Seen, frame: &Frame) -> Self {
         let low = frame.place(seen.object.bounds.min);
         let high = frame.place(seen.object.bounds.max);
         Self {
+            seen,
             low: down(low),
             high: up(high),
             inner_low: up(low),

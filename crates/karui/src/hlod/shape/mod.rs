@@ -104,7 +104,6 @@ impl Shape {
     }
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -34,7 +34,11 @@ pub(super) fn seen(model: &Model<'_>, mesh: &TriMesh) -> Result<Seen> {
             sum += color * area;
         }
     }
-    let color = if covered > 0.0 { sum / covered } else { fallback.truncate().as_dvec3() };
+    let color = if covered > 0.0 {
+        sum / covered
+    } else {
+        fallback.truncate().as_dvec3()
+    };
     Ok(Seen {
         area: covered,
         color: color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3(),

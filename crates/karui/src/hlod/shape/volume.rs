@@ -19,7 +19,9 @@ pub(super) fn enclosed(mesh: &TriMesh, ids: &PositionIds, center: DVec3) -> Opti
 }
 
 fn is_closed(triangles: &[[u32; 3]]) -> bool {
-    let ways = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let ways = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     // The edge, and whether it is run through from its lesser end.
     let mut edges: Vec<([u32; 2], bool)> = ways
         .filter(|[a, b]| a != b)
@@ -45,7 +47,10 @@ mod tests {
     #[test]
     fn closed_shapes_have_their_volume() {
         let torus = volume(&shapes::torus(2.0, 0.5, 300, 300)).unwrap();
-        assert!((torus - std::f64::consts::PI.powi(2)).abs() < 0.01, "{torus}");
+        assert!(
+            (torus - std::f64::consts::PI.powi(2)).abs() < 0.01,
+            "{torus}"
+        );
         // Closed but for a seam of its texture.
         let sphere = volume(&shapes::textured_sphere(100, 200)).unwrap();
         assert!((sphere - 4.0 / 3.0 * std::f64::consts::PI).abs() < 0.01);

@@ -38,12 +38,7 @@ impl Walk {
     /// [`Error::LengthMismatch`](crate::Error::LengthMismatch) for assets that are
     /// not those of the tree; [`Error::BadReference`](crate::Error::BadReference) for
     /// an object to be drawn whose levels do not exist.
-    pub fn frame(
-        &mut self,
-        tree: &Tree,
-        view: &View,
-        assets: &Assets<'_>,
-    ) -> Result<&DrawList> {
+    pub fn frame(&mut self, tree: &Tree, view: &View, assets: &Assets<'_>) -> Result<&DrawList> {
         assets.check(tree)?;
         let sight = Sight {
             eye: Eye::new(view)?,
