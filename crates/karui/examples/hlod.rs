@@ -1,5 +1,5 @@
 //! Trees of a made-up forest, and how long they and their frames take:
-//! `cargo run --release -p karui --example hlod -- [objects ...] [--grid] [--kato]`.
+//! `cargo run --release -p karui --example hlod -- [objects ...] [--grid | --duplicates] [--kato]`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use glam::DMat4;
@@ -23,7 +23,11 @@ fn main() -> Result<()> {
         TreeOptions::default()
     };
     for count in counts {
-        let objects = forest(count, has("--grid"))?;
+        let objects = match (has("--grid"), has("--duplicates")) {
+            (true, _) => grid(count, 3.0)?,
+            (_, true) => grid(count, 0.0)?,
+            _ => forest(count)?,
+        };
         let start = Instant::now();
         let mut tree = Tree::build(objects, &options)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -41,8 +45,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Trees of three kinds and four colours, 3 apart, or a regular grid of one kind.
-fn forest(count: usize, grid: bool) -> Result<Vec<Object>> {
+/// Trees of three kinds and four colours, about 3 apart.
+fn forest(count: usize) -> Result<Vec<Object>> {
     let mut random = Random(7);
     let shape = Shape::of(&Model::of_mesh(&shapes::icosphere(2)), 0)?;
     let columns = (count as f64).sqrt().ceil() as usize;
@@ -54,9 +58,6 @@ fn forest(count: usize, grid: bool) -> Result<Vec<Object>> {
     ];
     let object = |i: usize| {
         let (x, z) = ((i % columns) as f64, (i / columns) as f64);
-        if grid {
-            return shape.placed(&DMat4::from_translation(DVec3::new(3.0 * x, 0.0, 3.0 * z)));
-        }
         let jitter = DVec3::new(random.next(), 0.0, random.next()) * 2.5;
         let place = DVec3::new(3.0 * x, 0.0, 3.0 * z) + jitter;
         let scale = DVec3::new(1.0, 1.0 + (random.next() * 3.0).floor(), 1.0);
@@ -66,6 +67,17 @@ fn forest(count: usize, grid: bool) -> Result<Vec<Object>> {
             color: Vec3::from(color),
             ..shape.placed(&(DMat4::from_translation(place) * turned * DMat4::from_scale(scale)))
         }
+    };
+    Ok((0..count).map(object).collect())
+}
+
+/// Equal balls at equal distances.
+fn grid(count: usize, distance: f64) -> Result<Vec<Object>> {
+    let shape = Shape::of(&Model::of_mesh(&shapes::icosphere(2)), 0)?;
+    let columns = (count as f64).sqrt().ceil() as usize;
+    let object = |i: usize| {
+        let at = DVec3::new((i % columns) as f64, 0.0, (i / columns) as f64);
+        shape.placed(&DMat4::from_translation(at * distance))
     };
     Ok((0..count).map(object).collect())
 }

@@ -3,6 +3,7 @@
 use super::NONE;
 use super::bounds::Bounds;
 use super::object::Object;
+use super::omega::OmegaOptions;
 use super::slots::Slot;
 use super::tree::Tree;
 
@@ -108,6 +109,19 @@ impl Tree {
     pub fn parent_of_object(&self, id: u32) -> Option<u32> {
         let parent = *self.object_parents.get(id as usize)?;
         (parent != NONE).then_some(parent)
+    }
+
+    /// The measure by which it was built.
+    #[must_use]
+    pub fn omega(&self) -> &OmegaOptions {
+        &self.omega
+    }
+
+    /// Box around everything; `None` around nothing.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        let roots = self.root_slots().iter().map(|slot| slot.bounds);
+        roots.reduce(|a, b| a.union(&b))
     }
 
     /// Groups and objects that are in no group.

@@ -101,19 +101,14 @@ impl Tree {
     /// Groups `objects`: while the threshold rises, the pair of least Omega0 is
     /// merged as long as it is below. Of several such pairs that comes first whose
     /// newer member is oldest, then that whose older member is. Takes time
-    /// proportional to n log n for n objects of which few are most like one and
-    /// the same.
+    /// proportional to n log n for n objects that lie about evenly.
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::Broken`] for an object whose numbers are
     /// none, negative or beyond 1e30; [`Error::BadOption`];
-    /// [`Error::TooLarge`] for more than 2^31 objects; [`Error::Cancelled`].
+    /// [`Error::TooLarge`] for more than 2^30 objects; [`Error::Cancelled`].
     pub fn build(objects: Vec<Object>, options: &TreeOptions<'_>) -> Result<Self> {
-        let limit = 1 << 30;
-        if objects.len() > limit {
-            let (what, found) = ("objects", objects.len());
-            return Err(Error::TooLarge { what, found, limit });
-        }
+        within_limit(objects.len())?;
         let mut checked = objects.iter().enumerate();
         checked.try_for_each(|(i, object)| object.check(i))?;
         options.omega.check()?;
@@ -240,6 +235,16 @@ impl Tree {
             Member::Group(id) => self.groups[id as usize].objects,
         }
     }
+}
+
+/// Objects and all merges of them are numbered in 32 bits.
+pub(super) fn within_limit(objects: usize) -> Result<()> {
+    let limit = 1 << 30;
+    if objects > limit {
+        let (what, found) = ("objects", objects);
+        return Err(Error::TooLarge { what, found, limit });
+    }
+    Ok(())
 }
 
 pub(super) fn object_slot(object: &Object, id: u32) -> Slot {

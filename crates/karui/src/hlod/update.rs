@@ -16,7 +16,7 @@ use super::group::Member;
 use super::object::Object;
 use super::omega::{Seen, between};
 use super::slots::Slot;
-use super::tree::{Tree, object_slot};
+use super::tree::{Tree, object_slot, within_limit};
 use crate::error::{Error, Result};
 use crate::progress::Silent;
 
@@ -60,11 +60,7 @@ impl Tree {
     pub fn add_object(&mut self, object: Object) -> Result<Updated> {
         let id = self.objects.len();
         object.check(id)?;
-        let limit = 1 << 30;
-        if id >= limit {
-            let (what, found) = ("objects", id + 1);
-            return Err(Error::TooLarge { what, found, limit });
-        }
+        within_limit(id + 1)?;
         self.objects.push(object);
         self.object_slots.push(NONE);
         self.object_parents.push(NONE);
