@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         gltf: GltfOptions {
             quantize: has("--quantize"),
             meshopt: has("--meshopt"),
+            ..GltfOptions::default()
         },
         ..WriteOptions::default()
     };

@@ -130,16 +130,24 @@ fn extension_message(extension: &Option<String>) -> String {
         .map_or_else(String::new, |e| format!(" `.{e}`"))
 }
 
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::Pointer(pointer) => f.write_str(pointer),
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.path.as_os_str().is_empty() {
             write!(f, "{}: ", self.path.display())?;
         }
-        match &self.place {
-            Place::File => {}
-            Place::Line(line) => write!(f, "line {line}: ")?,
-            Place::Byte(byte) => write!(f, "byte {byte}: ")?,
-            Place::Pointer(pointer) => write!(f, "{pointer}: ")?,
+        if self.place != Place::File {
+            write!(f, "{}: ", self.place)?;
         }
         self.kind.fmt(f)
     }

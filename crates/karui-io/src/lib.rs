@@ -20,6 +20,8 @@
 //! Scenes are baked into one mesh in world space where a format has no nodes;
 //! [`Written::lost`] tells what a format could not hold.
 //!
+//! [`tiles`] reads, checks and writes 3D Tiles.
+//!
 //! [`decode_image`] and [`encode_png`] are for pictures.
 //!
 //! Readers never panic and reserve no memory on the word of a header; every
@@ -41,13 +43,14 @@ mod read;
 mod source;
 mod stl;
 mod text;
+pub mod tiles;
 mod warnings;
 mod write;
 
 pub use atomic::Written;
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
-pub use gltf::GltfOptions;
+pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};
 pub use image::{decode_image, encode_png};
 pub use ply::PlyEncoding;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};

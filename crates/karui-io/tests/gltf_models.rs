@@ -144,6 +144,7 @@ fn compression_is_without_loss() {
         gltf: GltfOptions {
             meshopt: true,
             quantize: false,
+            ..GltfOptions::default()
         },
         ..WriteOptions::default()
     };
@@ -178,6 +179,7 @@ fn quantisation_stays_within_its_steps() {
         gltf: GltfOptions {
             meshopt: true,
             quantize: true,
+            ..GltfOptions::default()
         },
         ..WriteOptions::default()
     };

@@ -79,6 +79,7 @@ impl WriteArgs {
             gltf: GltfOptions {
                 quantize: self.quantize,
                 meshopt: self.compress,
+                ..GltfOptions::default()
             },
         }
     }

@@ -1,19 +1,27 @@
 //! `karui info`: what a model holds.
 
+mod tiles;
+
 use crate::console::Console;
+use crate::failure::Failure;
 use crate::input::{self, Input};
 use crate::table::{bytes, count, number, table};
 use anyhow::Result;
 use karui::geom::Aabb;
 use karui::mesh::{NamedMesh, diagnose};
 use karui::{Scene, TriMesh};
+use karui_io::tiles::Report;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Show what models hold
+///
+/// A 3D Tiles tileset (a .json file) is followed through its external tilesets, subtrees and
+/// contents, and checked against the rules of the specification; a tileset that breaks one ends
+/// the command with exit code 1.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The models
+    /// The models, or tilesets
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 }
@@ -63,15 +71,48 @@ struct MeshInfo {
     volume: Option<f64>,
 }
 
+/// What was asked about.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Subject {
+    Model(Info),
+    Tileset(Report),
+}
+
 /// Reads all models before the first is shown.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
-    let read = |path: &PathBuf| of_input(&input::read(path, console)?);
-    let infos = args.inputs.iter().map(read).collect::<Result<Vec<_>>>()?;
-    for (i, info) in infos.iter().enumerate() {
+    let read = |path: &PathBuf| subject(path, console);
+    let subjects = args.inputs.iter().map(read).collect::<Result<Vec<_>>>()?;
+    for (i, subject) in subjects.iter().enumerate() {
         let gap = if i > 0 { "\n" } else { "" };
-        console.data(&format!("{gap}{}", text(info)))?;
+        let text = match subject {
+            Subject::Model(info) => text(info),
+            Subject::Tileset(report) => tiles::text(report),
+        };
+        console.data(&format!("{gap}{text}"))?;
     }
-    console.document(&infos)
+    console.document(&subjects)?;
+    verdict(&subjects)
+}
+
+fn subject(path: &Path, console: &Console) -> Result<Subject> {
+    if tiles::is_tileset(path) {
+        return Ok(Subject::Tileset(karui_io::tiles::check(path)?));
+    }
+    Ok(Subject::Model(of_input(&input::read(path, console)?)?))
+}
+
+/// A tileset that breaks a rule is a failure.
+fn verdict(subjects: &[Subject]) -> Result<()> {
+    let errors = |subject: &Subject| match subject {
+        Subject::Model(_) => 0,
+        Subject::Tileset(report) => report.findings.error_count(),
+    };
+    match subjects.iter().map(errors).sum() {
+        0 => Ok(()),
+        1 => Err(Failure::check("1 rule of 3D Tiles is broken").into()),
+        n => Err(Failure::check(format!("rules of 3D Tiles are broken at {n} places")).into()),
+    }
 }
 
 fn of_input(input: &Input) -> Result<Info> {

@@ -162,6 +162,24 @@ impl Layout {
         (columns - 1) * self.padded_column() + self.column()
     }
 
+    /// The first component of an element, not normalised; 0 if it is cut off.
+    pub fn scalar(self, element: &[u8]) -> f64 {
+        let word = |size: usize| {
+            let mut word = [0; 4];
+            let there = size.min(element.len());
+            word[..there].copy_from_slice(&element[..there]);
+            word
+        };
+        match self.component {
+            Component::I8 => f64::from(word(1)[0] as i8),
+            Component::U8 => f64::from(word(1)[0]),
+            Component::I16 => f64::from(i16::from_le_bytes([word(2)[0], word(2)[1]])),
+            Component::U16 => f64::from(u16::from_le_bytes([word(2)[0], word(2)[1]])),
+            Component::U32 => f64::from(u32::from_le_bytes(word(4))),
+            Component::F32 => f64::from(f32::from_le_bytes(word(4))),
+        }
+    }
+
     /// Byte offset of component `i` in an element.
     fn offset(self, i: usize) -> usize {
         let rows = self.kind.rows();

@@ -1,7 +1,7 @@
 //! Collecting arrays for a new buffer.
 
 use super::{
-    accessor::{Component, Kind},
+    accessor::{Component, Kind, Layout},
     meshopt,
 };
 use crate::error::{Error, ErrorKind, Place, Result};
@@ -130,6 +130,22 @@ impl Packer {
         });
         self.accessors.push(accessor);
         self.accessors.len() - 1
+    }
+
+    /// The scalars of an accessor that was pushed as an [`Array`].
+    pub fn scalars(&self, accessor: usize) -> Option<Vec<f64>> {
+        let accessor = self.accessors.get(accessor)?;
+        let view = self.views.get(accessor["bufferView"].as_u64()? as usize)?;
+        let component = Component::from_code(accessor["componentType"].as_u64()? as usize)?;
+        let layout = Layout {
+            component,
+            kind: Kind::Scalar,
+            normalized: false,
+        };
+        let stride = view.stride.unwrap_or(component.size());
+        let count = accessor["count"].as_u64()? as usize;
+        let elements = view.bytes.chunks(stride).take(count);
+        Some(elements.map(|e| layout.scalar(e)).collect())
     }
 
     /// Lays all views out, compressed if that makes them smaller.

@@ -14,7 +14,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// What a URI stands for.
 #[derive(Debug, PartialEq)]
-pub(super) enum Uri<'a> {
+pub(crate) enum Uri<'a> {
     /// A data URI.
     Data {
         /// Media type; may be empty.
@@ -27,7 +27,7 @@ pub(super) enum Uri<'a> {
 }
 
 /// Whether it is a data URI.
-pub(super) fn is_data(uri: &str) -> bool {
+pub(crate) fn is_data(uri: &str) -> bool {
     uri.get(..5)
         .is_some_and(|s| s.eq_ignore_ascii_case("data:"))
 }
@@ -36,7 +36,7 @@ pub(super) fn is_data(uri: &str) -> bool {
 ///
 /// # Errors
 /// [`ErrorKind::Syntax`] for a data URI that cannot be decoded.
-pub(super) fn decode(uri: &str) -> Result<Uri<'_>, ErrorKind> {
+pub(crate) fn decode(uri: &str) -> Result<Uri<'_>, ErrorKind> {
     if is_data(uri) {
         return decode_data(&uri[5..]);
     }
@@ -77,7 +77,7 @@ fn hex_pair(tail: &[u8]) -> Option<u8> {
 }
 
 /// A relative path as a URI.
-pub(super) fn encode_path(path: &str) -> String {
+pub(crate) fn encode_path(path: &str) -> String {
     let mut uri = String::with_capacity(path.len());
     for byte in path.bytes() {
         if byte.is_ascii_alphanumeric() || b"-_.~/!$&'()*+,;=@".contains(&byte) {

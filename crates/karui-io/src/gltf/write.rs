@@ -1,7 +1,9 @@
 //! From a [`Scene`] to a file.
 
 use super::{
-    GltfSource, container, heirs,
+    GltfSource, container,
+    feature_table::{self, FeatureTable, MESH_FEATURES, STRUCTURAL},
+    heirs,
     instancing::{self, INSTANCING},
     json::{self, ROOT},
     lod::{self, LOD},
@@ -27,7 +29,7 @@ use serde_json::{Value, json};
 use std::{fs, path::Path, sync::Arc};
 
 /// How glTF is written.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct GltfOptions {
     /// Stores attributes as integers (`KHR_mesh_quantization`): positions in
     /// 16 bits of the mesh's largest extent, texture coordinates in 0..1 in 16
@@ -37,6 +39,10 @@ pub struct GltfOptions {
     /// Compresses buffers with `EXT_meshopt_compression`, without loss.
     /// Default off.
     pub meshopt: bool,
+    /// What the ids in vertex attributes `_FEATURE_ID_0` stand for
+    /// (`EXT_mesh_features`, `EXT_structural_metadata`); it replaces metadata
+    /// that was read. Default none.
+    pub features: Option<Arc<FeatureTable>>,
 }
 
 /// Extensions that the reader undoes.
@@ -154,6 +160,9 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
         vec![None; scene.meshes.len()]
     };
     let numbers = write_meshes(&mut json, scene, &mut origin, &mut packer, options, &grids)?;
+    if options.features.is_some() {
+        json::remove_extension(&mut json, STRUCTURAL);
+    }
     references::visit_outside_meshes(&mut json, &mut |target, value, at| {
         origin.pass(target, value, Use::Other, at, &mut packer)
     })?;
@@ -172,12 +181,20 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
     instancing::write_all(&mut json, scene, source, &mut packer);
     share_weights(&mut json, scene);
     place_meshes(&mut json, &numbers, &grids);
+    let features = match &options.features {
+        Some(table) => feature_table::write(&mut json, &mut packer, table)?,
+        None => false,
+    };
     let (accessors, packed) = packer.finish(options.meshopt);
     json["accessors"] = Value::Array(accessors);
     let image_types = name_by_type(&mut json, scene);
     list_extensions(&mut json, scene, &grids, packed.fallback > 0);
     for name in image_types {
         require(&mut json, name);
+    }
+    if features {
+        list(&mut json, "extensionsUsed", MESH_FEATURES);
+        list(&mut json, "extensionsUsed", STRUCTURAL);
     }
     let packed = finish(&mut json, packed);
     Ok(Built {
@@ -297,15 +314,18 @@ fn list_extensions(json: &mut Value, scene: &Scene, grids: &[Option<Grid>], mesh
 /// Lists an extension without which the document cannot be shown.
 fn require(json: &mut Value, name: &str) {
     for key in ["extensionsUsed", "extensionsRequired"] {
-        if !json[key].is_array() {
-            json[key] = json!([]);
-        }
-        if let Some(names) = json[key]
-            .as_array_mut()
-            .filter(|n| !n.iter().any(|n| n == name))
-        {
-            names.push(json!(name));
-        }
+        list(json, key, name);
+    }
+}
+
+/// Adds a name to a list of the document.
+fn list(json: &mut Value, key: &str, name: &str) {
+    if !json[key].is_array() {
+        json[key] = json!([]);
+    }
+    let names = json[key].as_array_mut();
+    if let Some(names) = names.filter(|names| !names.iter().any(|n| n == name)) {
+        names.push(json!(name));
     }
 }
 

@@ -333,6 +333,12 @@ pub(super) fn custom_array(attribute: &Attribute, sources: &[u32]) -> Option<Arr
         AttributeValues::U8(v) => array!(U8, v, |x| x.to_le_bytes()),
         AttributeValues::I16(v) => array!(I16, v, |x| x.to_le_bytes()),
         AttributeValues::U16(v) => array!(U16, v, |x| x.to_le_bytes()),
+        AttributeValues::U32(v)
+            if attribute.name.starts_with("_FEATURE_ID_")
+                && v.iter().all(|&x| x <= u32::from(u8::MAX)) =>
+        {
+            array!(U8, v, |&x| (x as u8).to_le_bytes())
+        }
         AttributeValues::U32(v) if v.iter().all(|&x| x <= u32::from(u16::MAX)) => {
             array!(U16, v, |&x| (x as u16).to_le_bytes())
         }
