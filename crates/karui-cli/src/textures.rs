@@ -26,18 +26,15 @@ pub fn decode(input: &Input, console: &Console) -> Vec<Option<Picture>> {
 
 /// The image, or what is wrong with it if that is news.
 fn decode_one(image: &Image) -> Result<Picture, Option<String>> {
-    match &image.data {
-        ImageData::Bytes { bytes, .. } => {
-            karui_io::decode_image(bytes).map_err(|error| Some(error.to_string()))
-        }
-        ImageData::Missing { .. } => Err(None),
-    }
+    let picture = karui_io::picture_of(image).map_err(|error| Some(error.to_string()))?;
+    picture.ok_or(None)
 }
 
 fn name_of(image: &Image, index: usize) -> String {
     let uri = match &image.data {
         ImageData::Bytes { uri, .. } => uri.as_deref(),
         ImageData::Missing { uri } => Some(&**uri),
+        ImageData::Pixels { .. } => None,
     };
     let name = uri.or(image.name.as_deref());
     name.map_or_else(|| format!("image {index}"), str::to_owned)

@@ -51,7 +51,7 @@ pub use atomic::Written;
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};
-pub use image::{decode_image, encode_png};
+pub use image::{decode_image, encode_png, picture_of};
 pub use ply::PlyEncoding;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
 pub use warnings::Warnings;

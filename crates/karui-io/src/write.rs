@@ -5,7 +5,7 @@ use crate::{
     atomic::{Sink, Transaction, Written},
     error::{Error, Result},
     format::is_gz,
-    gltf,
+    gltf, image,
     lost::lost,
     obj, off,
     ply::{self, PlyEncoding},
@@ -49,6 +49,7 @@ pub fn write_with(
 ) -> Result<Written> {
     let path = path.as_ref();
     let format = Format::from_path(path)?;
+    let scene = &*image::encoded(scene).map_err(|e| e.in_file(path))?;
     let mut files = Transaction::default();
     write_format(format, &mut files, path, scene, options).map_err(|e| e.in_file(path))?;
     let mut written = files.commit()?;

@@ -395,7 +395,7 @@ fn files_that_many_name_are_read_once() {
     let scene = karui_io::read(&path).unwrap();
     let bytes = |i: usize| match &scene.images[i].data {
         ImageData::Bytes { bytes, .. } => Arc::clone(bytes),
-        ImageData::Missing { uri } => unreachable!("{uri}"),
+        other => unreachable!("{other:?}"),
     };
     assert!(Arc::ptr_eq(&bytes(0), &bytes(19_999)));
 }

@@ -42,6 +42,8 @@ pub(super) fn write_images(json: &mut Value, scene: &Scene, mut place: Place<'_>
                 write_bytes(&mut raw, i, image, bytes, uri.as_deref(), &mut place);
             }
             ImageData::Missing { uri } => write_missing(&mut raw, uri),
+            // They have been encoded before.
+            ImageData::Pixels { .. } => write_missing(&mut raw, ""),
         }
         images.push(raw);
     }

@@ -4,10 +4,13 @@
 //! neither format packs a pixel into less than a certain part of a byte.
 
 mod jpeg;
+mod pixels;
 mod png;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use pixels::encoded;
+pub use pixels::picture_of;
 pub use png::encode_png;
 
 use crate::error::{Error, ErrorKind, IMAGE_SIDE, Place, Result};

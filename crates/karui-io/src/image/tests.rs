@@ -1,4 +1,9 @@
 use super::*;
+use karui::{
+    Scene,
+    mesh::{Image, ImageData},
+};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A JPEG of even blocks of 8 x 8 pixels, `columns` in a row, each of a luma and
@@ -215,4 +220,50 @@ fn other_formats_are_named_unknown() {
         let error = decode_image(bytes).unwrap_err().to_string();
         assert_eq!(error, "unknown format; known are PNG and JPEG");
     }
+}
+
+#[test]
+fn pixels_are_written_as_pngs() {
+    use karui::mesh::{Material, Texture, TextureRef, Wrap, shapes};
+    let image = |width| Image {
+        name: None,
+        mime: String::new(),
+        data: ImageData::Pixels {
+            width,
+            pixels: Arc::from([[1, 2, 3, 255], [4, 5, 6, 128], [7, 8, 9, 0], [0; 4]]),
+        },
+    };
+    let mut scene = Scene::from_mesh(shapes::cube(1));
+    scene.meshes[0].mesh.ranges = scene.meshes[0].mesh.ranges_or_whole();
+    scene.meshes[0].mesh.ranges[0].material = Some(0);
+    scene.materials = vec![Material {
+        base_color_texture: Some(TextureRef {
+            texture: 0,
+            uv_set: 0,
+            transform: None,
+        }),
+        ..Material::default()
+    }];
+    scene.textures = vec![Texture {
+        image: Some(0),
+        wrap: [Wrap::Clamp; 2],
+        nearest: false,
+    }];
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["a.glb", "b.gltf", "c.obj"] {
+        scene.images = vec![image(2)];
+        let path = folder.path().join(file);
+        crate::write(&path, &scene).unwrap();
+        let back = crate::read(&path).unwrap();
+        let pictures = [&scene, &back].map(|s| picture_of(&s.images[0]).unwrap());
+        assert!(
+            pictures[0].is_some() && pictures[0] == pictures[1],
+            "{file}"
+        );
+        for width in [0, 3] {
+            scene.images = vec![image(width)];
+            assert!(crate::write(folder.path().join("bad.glb"), &scene).is_err());
+        }
+    }
+    assert!(!folder.path().join("bad.glb").exists());
 }

@@ -101,6 +101,8 @@ pub(super) fn model_stem(model: &Path) -> String {
 fn wanted_name<'a>(image: &'a Image, stem: &str, i: usize) -> (String, Option<&'a [u8]>) {
     match &image.data {
         ImageData::Missing { uri } => (uri.clone(), None),
+        // They have been encoded before.
+        ImageData::Pixels { .. } => (format!("{stem}-{i}.png"), None),
         ImageData::Bytes { bytes, uri } => {
             let uri = uri.as_deref().and_then(crate::source::relative_path);
             let file = uri.as_deref().and_then(Path::file_name);

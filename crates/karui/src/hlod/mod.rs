@@ -44,6 +44,7 @@ mod levels;
 mod object;
 mod oklab;
 mod omega;
+pub mod proxy;
 mod queue;
 mod shape;
 mod slots;

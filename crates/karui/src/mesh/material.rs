@@ -114,18 +114,18 @@ pub enum Wrap {
     Clamp,
 }
 
-/// An encoded image (PNG, JPEG, KTX2, ...), not decoded.
+/// An image, encoded (PNG, JPEG, KTX2, ...) unless it was made here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Name, if it has one.
     pub name: Option<String>,
-    /// E.g. `image/png`; empty if unknown.
+    /// E.g. `image/png`; empty if unknown, or if it is not encoded.
     pub mime: String,
     /// The bytes or where they lie.
     pub data: ImageData,
 }
 
-/// Where an image's encoded bytes are.
+/// Where an image's content is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImageData {
     /// In memory, with the relative URI of the file they were read from if
@@ -140,5 +140,12 @@ pub enum ImageData {
     Missing {
         /// Relative URI as written in the file.
         uri: String,
+    },
+    /// Made here and not encoded yet: a writer takes it as a PNG.
+    Pixels {
+        /// Pixels a row; rows are as many as there are pixels for, from the top.
+        width: u32,
+        /// sRGB codes with straight alpha.
+        pixels: Arc<[[u8; 4]]>,
     },
 }

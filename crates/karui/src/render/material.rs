@@ -76,7 +76,7 @@ impl<'a> Materials<'a> {
         all
     }
 
-    fn prepare(&mut self, model: &Model<'a>, m: &Material) -> Prepared {
+    pub(super) fn prepare(&mut self, model: &Model<'a>, m: &Material) -> Prepared {
         let mut lookup =
             |used: &Option<TextureRef>, encoding| self.lookup(model, used.as_ref()?, encoding);
         let metallic_roughness_lookup = lookup(&m.metallic_roughness_texture, Encoding::Plain);

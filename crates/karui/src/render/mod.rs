@@ -22,6 +22,7 @@
 //! ```
 
 mod band;
+mod base_color;
 mod bins;
 mod brdf;
 mod clip;
@@ -45,6 +46,7 @@ mod surface;
 mod texture;
 mod view;
 
+pub(crate) use base_color::{BaseColors, Footprint, encoded};
 pub use frame::{Frame, Hit};
 pub use model::{Instance, Model};
 pub use options::{

@@ -131,6 +131,11 @@ impl Bvh {
         self.closest_from(point, near.slot)
     }
 
+    /// Triangle of the mesh at a place of the leaf order.
+    pub(super) fn triangle(&self, slot: u32) -> u32 {
+        self.order[slot as usize]
+    }
+
     /// Corners of the triangle at a place of the leaf order.
     pub(crate) fn corners(&self, slot: u32) -> [DVec3; 3] {
         self.corners[slot as usize].map(Vec3::as_dvec3)

@@ -6,7 +6,9 @@ mod facings;
 pub mod morton;
 mod morton_build;
 mod radix;
+mod ray;
 mod sah_build;
 
 pub use bvh::{Bvh, Hit};
 pub use facings::{Facings, Normals};
+pub use ray::Ray;
