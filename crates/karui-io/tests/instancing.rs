@@ -198,7 +198,14 @@ fn forest(count: usize) -> Scene {
 fn new_placements_round_trip_and_are_small() {
     let scene = forest(1000);
     for (quantize, meshopt) in [(false, false), (true, false), (true, true)] {
-        let (again, json) = written(&scene, GltfOptions { quantize, meshopt });
+        let (again, json) = written(
+            &scene,
+            GltfOptions {
+                quantize,
+                meshopt,
+                ..GltfOptions::default()
+            },
+        );
         let (before, after) = (placements(&scene), placements(&again));
         assert_eq!(before.translations, after.translations);
         assert_eq!((&before.scales, &after.rotations), (&after.scales, &None));

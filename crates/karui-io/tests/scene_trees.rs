@@ -51,6 +51,7 @@ fn a_hundred_thousand_levels_deep() {
                 gltf: GltfOptions {
                     quantize,
                     meshopt: quantize,
+                    ..GltfOptions::default()
                 },
                 ..WriteOptions::default()
             };

@@ -14,6 +14,7 @@ mod replay;
 mod saliency;
 mod scene;
 mod simplify;
+mod tiles;
 mod validate;
 
 use crate::console::Console;
@@ -35,6 +36,7 @@ pub enum Command {
     Render(render::Args),
     Convert(convert::Args),
     Scene(scene::Args),
+    Tiles(tiles::Args),
     Bench(bench::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -55,6 +57,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Render(args) => render::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),
         Command::Scene(args) => scene::run(&args, console),
+        Command::Tiles(args) => tiles::run(&args, console),
         Command::Bench(args) => bench::run(&args, console),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args, console),

@@ -1,7 +1,7 @@
-//! Features: what the ids of a mesh's vertices stand for
-//! (`EXT_mesh_features`, `EXT_structural_metadata`).
+//! Features: what the ids of a mesh's vertices or of its placements stand for
+//! (`EXT_mesh_features`, `EXT_instance_features`, `EXT_structural_metadata`).
 
-use super::{json, pack::Packer};
+use super::{instancing, json, pack::Packer};
 use crate::error::{Error, ErrorKind, Place, Result};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -18,8 +18,10 @@ pub(super) const STRUCTURAL: &str = "EXT_structural_metadata";
 /// A property table: one row a feature.
 ///
 /// It is about the vertices of all meshes with an attribute `_FEATURE_ID_0` of
-/// one component ([`Attributes::custom`](karui::mesh::Attributes::custom)),
-/// whose values are numbers of rows.
+/// one component ([`Attributes::custom`](karui::mesh::Attributes::custom)), and
+/// about all placements with one
+/// ([`Placements::attributes`](karui::mesh::Placements::attributes)), whose values
+/// are numbers of rows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FeatureTable {
     /// Id of the class: letters, digits and `_`, not beginning with a digit.
@@ -160,33 +162,85 @@ fn is_id(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') && name.chars().all(letter)
 }
 
-/// Writes the table, and declares the ids of all primitives that have them.
-/// Tells whether there are any.
-pub(super) fn write(json: &mut Value, packer: &mut Packer, table: &FeatureTable) -> Result<bool> {
+/// Extensions that were written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Declared {
+    pub vertices: bool,
+    pub instances: bool,
+}
+
+impl Declared {
+    /// The names of the extensions.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let any = self.vertices || self.instances;
+        let names = [
+            (self.vertices, MESH_FEATURES),
+            (self.instances, instancing::FEATURES),
+            (any, STRUCTURAL),
+        ];
+        names.into_iter().filter(|n| n.0).map(|n| n.1)
+    }
+}
+
+/// Writes the table, and declares the ids of all primitives and of all placements that
+/// have them.
+pub(super) fn write(
+    json: &mut Value,
+    packer: &mut Packer,
+    table: &FeatureTable,
+) -> Result<Declared> {
     let fail = |error: karui::Error| Error::new(Place::File, ErrorKind::Geometry(error));
     table.check().map_err(fail)?;
+    let declared = Declared {
+        vertices: declare_vertices(json, packer, table.rows()).map_err(fail)?,
+        instances: declare_instances(json, packer, table.rows()).map_err(fail)?,
+    };
+    if declared != Declared::default() {
+        let content = structural(packer, table);
+        json::set_extension(json, STRUCTURAL, content);
+    }
+    Ok(declared)
+}
+
+fn declare_vertices(json: &mut Value, packer: &Packer, rows: usize) -> karui::Result<bool> {
     let mut any = false;
     let meshes = json.get_mut("meshes").and_then(Value::as_array_mut);
     for (m, mesh) in meshes.into_iter().flatten().enumerate() {
         let primitives = mesh.get_mut("primitives").and_then(Value::as_array_mut);
         for primitive in primitives.into_iter().flatten() {
-            let accessor = primitive["attributes"]
-                .get(ATTRIBUTE)
-                .and_then(Value::as_u64);
-            let Some(ids) = accessor.and_then(|a| packer.scalars(a as usize)) else {
-                continue;
-            };
-            let count = different(&ids, table.rows(), m).map_err(fail)?;
-            let set = json!({ "featureCount": count, "attribute": 0, "propertyTable": 0 });
-            json::set_extension(primitive, MESH_FEATURES, json!({ "featureIds": [set] }));
+            let ids = ids(&primitive["attributes"], packer);
+            if let Some(set) = ids.map(|ids| set(&ids, rows, "mesh", m)).transpose()? {
+                json::set_extension(primitive, MESH_FEATURES, json!({ "featureIds": [set] }));
+                any = true;
+            }
+        }
+    }
+    Ok(any)
+}
+
+fn declare_instances(json: &mut Value, packer: &Packer, rows: usize) -> karui::Result<bool> {
+    let mut any = false;
+    let nodes = json.get_mut("nodes").and_then(Value::as_array_mut);
+    for (n, node) in nodes.into_iter().flatten().enumerate() {
+        let placed = json::extension(node, instancing::INSTANCING);
+        let ids = placed.and_then(|p| ids(p.get("attributes")?, packer));
+        if let Some(set) = ids.map(|ids| set(&ids, rows, "node", n)).transpose()? {
+            let content = json!({ "featureIds": [set] });
+            json::set_extension(node, instancing::FEATURES, content);
             any = true;
         }
     }
-    if any {
-        let content = structural(packer, table);
-        json::set_extension(json, STRUCTURAL, content);
-    }
     Ok(any)
+}
+
+/// The ids that attributes have.
+fn ids(attributes: &Value, packer: &Packer) -> Option<Vec<f64>> {
+    packer.scalars(attributes.get(ATTRIBUTE)?.as_u64()? as usize)
+}
+
+fn set(ids: &[f64], rows: usize, what: &'static str, index: usize) -> karui::Result<Value> {
+    let count = different(ids, rows, what, index)?;
+    Ok(json!({ "featureCount": count, "attribute": 0, "propertyTable": 0 }))
 }
 
 fn structural(packer: &mut Packer, table: &FeatureTable) -> Value {
@@ -207,13 +261,13 @@ fn structural(packer: &mut Packer, table: &FeatureTable) -> Value {
 }
 
 /// How many different ids there are, all of which must name rows.
-fn different(ids: &[f64], rows: usize, mesh: usize) -> karui::Result<usize> {
+fn different(ids: &[f64], rows: usize, what: &'static str, index: usize) -> karui::Result<usize> {
     let mut found = BTreeSet::new();
     for &id in ids {
         if id < 0.0 || id.fract() != 0.0 || id >= rows as f64 {
             return Err(karui::Error::BadReference {
-                what: "mesh",
-                index: mesh,
+                what,
+                index,
                 target: "feature",
                 to: id.max(0.0) as usize,
                 problem: "has no row in the table",

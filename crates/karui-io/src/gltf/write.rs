@@ -2,7 +2,7 @@
 
 use super::{
     GltfSource, container,
-    feature_table::{self, FeatureTable, MESH_FEATURES, STRUCTURAL},
+    feature_table::{self, Declared, FeatureTable, STRUCTURAL},
     heirs,
     instancing::{self, INSTANCING},
     json::{self, ROOT},
@@ -39,9 +39,9 @@ pub struct GltfOptions {
     /// Compresses buffers with `EXT_meshopt_compression`, without loss.
     /// Default off.
     pub meshopt: bool,
-    /// What the ids in vertex attributes `_FEATURE_ID_0` stand for
-    /// (`EXT_mesh_features`, `EXT_structural_metadata`); it replaces metadata
-    /// that was read. Default none.
+    /// What the ids in attributes `_FEATURE_ID_0` of vertices and placements stand
+    /// for (`EXT_mesh_features`, `EXT_instance_features`,
+    /// `EXT_structural_metadata`); it replaces metadata that was read. Default none.
     pub features: Option<Arc<FeatureTable>>,
 }
 
@@ -183,7 +183,7 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
     place_meshes(&mut json, &numbers, &grids);
     let features = match &options.features {
         Some(table) => feature_table::write(&mut json, &mut packer, table)?,
-        None => false,
+        None => Declared::default(),
     };
     let (accessors, packed) = packer.finish(options.meshopt);
     json["accessors"] = Value::Array(accessors);
@@ -192,9 +192,8 @@ fn build(scene: &Scene, options: &GltfOptions, beside: Option<&str>) -> Result<B
     for name in image_types {
         require(&mut json, name);
     }
-    if features {
-        list(&mut json, "extensionsUsed", MESH_FEATURES);
-        list(&mut json, "extensionsUsed", STRUCTURAL);
+    for name in features.names() {
+        list(&mut json, "extensionsUsed", name);
     }
     let packed = finish(&mut json, packed);
     Ok(Built {

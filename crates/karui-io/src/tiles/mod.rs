@@ -15,6 +15,7 @@ mod extent;
 mod features;
 mod findings;
 mod folder;
+mod hlod;
 mod implicit;
 mod legacy;
 mod model;
@@ -38,6 +39,7 @@ pub use check::{check, check_with};
 pub use ecef::Geodetic;
 pub use findings::{Finding, Findings};
 pub use folder::locate;
+pub use hlod::write_hlod;
 pub use implicit::Cell;
 pub use model::{
     Asset, BoundingVolume, Content, ImplicitTiling, Refine, Region, Scheme, Shape, Tile, Tileset,

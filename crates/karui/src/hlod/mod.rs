@@ -49,6 +49,7 @@ mod queue;
 mod shape;
 mod slots;
 mod thresholds;
+pub mod tiles;
 mod tree;
 mod update;
 mod walk;
