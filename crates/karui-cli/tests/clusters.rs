@@ -254,7 +254,7 @@ fn bad_use_is_told_and_nothing_written() {
         "cut land.ply -o out --threshold nan",
         "cut land.ply -o out --light-factor 0",
         "cut land.ply -o out --light-factor 2",
-        "cut land.ply -o out --light-factor 0.5 --highlight 91",
+        "cut land.ply -o out --light-factor 0.5 --highlight 181",
         "cut land.ply -o out --highlight 5",
         "cut land.ply -o out --triangles 100 --threshold 2",
         "cut land.ply -o out --wireframe",
