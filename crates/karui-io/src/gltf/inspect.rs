@@ -3,10 +3,10 @@
 
 use super::{GltfSource, budget::Budget, document::Document, json, primitive::triangle_mode};
 use crate::{error::Result, source::Source};
-use glam::{DMat4, DQuat, DVec3, Quat};
+use glam::{DMat4, DVec3};
 use karui::{
     Scene,
-    mesh::{Attribute, AttributeValues, Node, Transform},
+    mesh::{Attribute, AttributeValues, Instance},
 };
 use serde_json::Value;
 
@@ -50,63 +50,16 @@ impl Inspected {
         (index < document.view_count()).then(|| document.view(index))
     }
 
-    /// Every mesh of the default scene in its place, those of
-    /// `EXT_mesh_gpu_instancing` once an instance. Meshes of skins stand where
-    /// their joints are, and are left out.
+    /// Every mesh of the default scene in its place, once for each of its
+    /// placements. Meshes of skins stand where their joints are, and are left out.
     pub fn placed(&self) -> Vec<Placed> {
-        let mut found = Vec::new();
-        let mut seen = vec![false; self.scene.nodes.len()];
-        let roots = self.scene.roots.iter().rev();
-        let mut stack: Vec<(u32, DMat4)> = roots.map(|&r| (r, DMat4::IDENTITY)).collect();
-        while let Some((n, world_from_parent)) = stack.pop() {
-            let Some(node) = self.scene.nodes.get(n as usize) else {
-                continue;
-            };
-            if std::mem::replace(&mut seen[n as usize], true) {
-                continue;
-            }
-            let world_from_node = world_from_parent * matrix(node);
-            if let (Some(mesh), None) = (node.mesh, node.skin) {
-                self.place(n, mesh, world_from_node, &mut found);
-            }
-            stack.extend(node.children.iter().rev().map(|&c| (c, world_from_node)));
-        }
-        found
-    }
-
-    fn place(&self, node: u32, mesh: u32, world_from_node: DMat4, found: &mut Vec<Placed>) {
-        let instances = self.instances(node as usize);
-        let room = INSTANCES.saturating_sub(found.len());
-        let matrices = instances.unwrap_or_else(|| vec![DMat4::IDENTITY]);
-        found.extend(matrices.into_iter().take(room).map(|m| Placed {
-            mesh,
-            world_from_mesh: world_from_node * m,
-        }));
-    }
-
-    /// Placements of `EXT_mesh_gpu_instancing`; `None` for a plain node.
-    fn instances(&self, node: usize) -> Option<Vec<DMat4>> {
-        let raw = self.json().get("nodes")?.get(node)?;
-        let attributes = json::extension(raw, "EXT_mesh_gpu_instancing")?.get("attributes")?;
-        let moved = self.floats::<3>(attributes, "TRANSLATION", [0.0; 3]);
-        let turned = self.floats::<4>(attributes, "ROTATION", [0.0, 0.0, 0.0, 1.0]);
-        let scaled = self.floats::<3>(attributes, "SCALE", [1.0; 3]);
-        let counts = [moved.as_ref().map(Vec::len), turned.as_ref().map(Vec::len)];
-        let counts = counts.into_iter().chain([scaled.as_ref().map(Vec::len)]);
-        let count = counts.flatten().min()?;
-        let matrix = |i: usize| {
-            let moved = moved.as_ref().map_or([0.0; 3], |m| m[i]);
-            let turned = turned
-                .as_ref()
-                .map_or(Quat::IDENTITY, |t| Quat::from_array(t[i]));
-            let scaled = scaled.as_ref().map_or([1.0; 3], |s| s[i]);
-            DMat4::from_scale_rotation_translation(
-                DVec3::from(scaled.map(f64::from)),
-                turned.as_dquat().normalize(),
-                DVec3::from(moved.map(f64::from)),
-            )
+        let placed = self.scene.iter_instances();
+        let stands = placed.filter(|i| self.scene.nodes[i.node as usize].skin.is_none());
+        let placed = |i: Instance| Placed {
+            mesh: i.mesh,
+            world_from_mesh: i.world_from_mesh,
         };
-        Some((0..count.min(INSTANCES)).map(matrix).collect())
+        stands.take(INSTANCES).map(placed).collect()
     }
 
     fn floats<const N: usize>(
@@ -202,20 +155,5 @@ fn scalar(attribute: &Attribute, element: usize) -> f64 {
         AttributeValues::U32(v) => f64::from(v[i]),
         AttributeValues::F32(v) => f64::from(v[i]),
         AttributeValues::F64(v) => v[i],
-    }
-}
-
-fn matrix(node: &Node) -> DMat4 {
-    match node.transform {
-        Transform::Matrix(matrix) => matrix.as_dmat4(),
-        Transform::Trs {
-            translation,
-            rotation,
-            scale,
-        } => {
-            let rotation: DQuat = rotation.as_dquat();
-            let (scale, translation) = (scale.as_dvec3(), translation.as_dvec3());
-            DMat4::from_scale_rotation_translation(scale, rotation, translation)
-        }
     }
 }
