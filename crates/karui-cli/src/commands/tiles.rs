@@ -109,6 +109,10 @@ struct CutArgs {
     /// Largest mean FLIP between a stand-in and what it stands for, 0 to 1
     #[arg(long, value_name = "FLIP", default_value_t = ChooseOptions::default().tolerance)]
     tolerance: f64,
+    /// Largest error of a stand-in when it is switched in, pixels; if none keeps to it, the one
+    /// with the least is taken
+    #[arg(long, value_name = "PX", default_value_t = HlodOptions::default().choose.error)]
+    error: f64,
     /// Pixels that a group covers when its stand-in is switched in: what textures and cards
     /// are made for
     #[arg(long, value_name = "PX", default_value_t = HlodOptions::default().choose.pixels)]
@@ -167,6 +171,7 @@ impl CutArgs {
         };
         ChooseOptions {
             tolerance: self.tolerance,
+            error: self.error,
             pixels: self.pixels,
             solid: all.solid.filter(|_| has(Kind::Box)),
             cards: has(Kind::Cards).then_some(cards),

@@ -57,6 +57,28 @@ pub fn box_proxy(group: &Group<'_>, options: &BoxOptions) -> Result<Option<Proxy
     Ok(Some(Proxy::new(ProxyKind::Box, group.origin, scene, error)))
 }
 
+/// What the error of a box cannot be less than: from a few places of its sides to the
+/// members, and from their vertices to its sides.
+pub(super) fn least_error(group: &Group<'_>) -> Result<f64> {
+    if group.is_empty() {
+        return Ok(0.0);
+    }
+    let bounds = group.bounds();
+    let inside = |p: &Vec3| (*p - bounds.min).min(bounds.max - *p).min_element();
+    let inside = group.mesh.positions.iter().map(inside).fold(0.0, f32::max);
+    let mut most = f64::from(inside);
+    for place in 0..27 {
+        let third = |by: i32| (place / by % 3) as f32 - 1.0;
+        let offset = Vec3::new(third(1), third(3), third(9));
+        if offset != Vec3::ZERO {
+            let p = bounds.center() + bounds.size() * 0.5 * offset;
+            let hit = group.tree()?.closest(p.as_dvec3());
+            most = most.max(hit.distance_squared.sqrt());
+        }
+    }
+    Ok(group.error + most)
+}
+
 fn box_mesh(group: &Group<'_>) -> TriMesh {
     let bounds = group.bounds();
     let mut mesh = shapes::cube(1);

@@ -1,13 +1,12 @@
 //! The cheapest stand-in that looks like the members.
 
-use super::box_proxy::{BoxOptions, box_proxy};
+use super::box_proxy::BoxOptions;
 use super::group::Group;
-use super::impostor::{ImpostorOptions, impostor};
-use super::judge::Judge;
-use super::merged::{MergedOptions, merged_chain};
+use super::impostor::ImpostorOptions;
+use super::merged::MergedOptions;
+use super::pick::Pick;
 use super::proxy::{Proxy, ProxyKind};
 use crate::error::{Error, Result};
-use crate::simplify::Stop;
 
 /// What a stand-in may cost and how it may look.
 #[derive(Debug, Clone, Copy)]
@@ -26,19 +25,20 @@ pub struct ChooseOptions<'a> {
     pub triangles: Option<usize>,
     /// Most bytes ([`Proxy::bytes`]); no bound by default.
     pub bytes: Option<usize>,
-    /// What drawing a triangle counts for, bytes: the cheapest has the least sum of
-    /// both. Default: 64.
-    pub triangle_bytes: f64,
+    /// Largest error ([`Proxy::error`]) in pixels when it is switched in; 0 or more, no
+    /// bound by default. If nothing keeps to it, the least error is taken.
+    pub error: f64,
     /// How a box is made; `None` for no box.
     pub solid: Option<BoxOptions>,
     /// How cards are made; `None` for none. If there is a level card, cards without
-    /// it are tried as well.
+    /// it are tried before.
     pub cards: Option<ImpostorOptions>,
     /// How members are merged; `None` for never. Where they stop is not looked at:
     /// see [`ChooseOptions::errors`].
     pub merged: Option<MergedOptions<'a>>,
     /// Errors at which merging stops, one stand-in each, in pixels when it is switched
-    /// in. Default: 4, 1 and 1/4.
+    /// in; with a bound on triangles, one more stops there and none has more. Default:
+    /// 4, 1 and 1/4.
     pub errors: &'a [f64],
 }
 
@@ -50,7 +50,7 @@ impl Default for ChooseOptions<'_> {
             views: 6,
             triangles: None,
             bytes: None,
-            triangle_bytes: 64.0,
+            error: f64::INFINITY,
             solid: Some(BoxOptions::default()),
             cards: Some(ImpostorOptions::default()),
             merged: Some(MergedOptions::default()),
@@ -62,12 +62,13 @@ impl Default for ChooseOptions<'_> {
 /// What was chosen, and from what.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Choice {
-    /// The cheapest within the tolerance; if none is, the one that looks most like the
-    /// members. `None` if none has fewer triangles and keeps to the bounds.
+    /// The first within tolerance and bounds; if none is, of those within the bounds the
+    /// one that looks most like the members; if only the error is beyond its bound, the
+    /// one with the least. `None` if none has fewer triangles and keeps to the others.
     pub proxy: Option<Proxy>,
-    /// Whether it is within the tolerance.
+    /// Whether it is within the tolerance and all bounds.
     pub within: bool,
-    /// All that were made, from the cheapest on.
+    /// All that were made, in that order.
     pub candidates: Vec<Candidate>,
 }
 
@@ -82,88 +83,29 @@ pub struct Candidate {
     pub bytes: usize,
     /// Its error, as [`Proxy::error`].
     pub error: f64,
-    /// Its mean FLIP; `None` if it was not looked at, a cheaper one being good enough
-    /// or it being beyond a bound.
+    /// Its mean FLIP; `None` if it was not looked at, being beyond a bound.
     pub image_error: Option<f64>,
 }
 
-/// Makes stand-ins of all kinds and takes the cheapest whose pictures, when it is
-/// switched in, differ from those of the members by no more than the tolerance.
+/// Makes stand-ins from the kind that is expected cheapest on: a box, cards without a
+/// level one, cards with it, members merged at the largest error, then at smaller ones.
+/// Each is looked at as soon as it is made, and the first is taken whose pictures, when
+/// it is switched in, differ from those of the members by no more than the tolerance:
+/// what comes after it is not made at all. Nor is what cannot keep to the bound on the
+/// error, unless there is nothing else.
 ///
 /// # Errors
 /// Those of the kinds; [`Error::BadOption`] for options out of range.
 pub fn choose(group: &Group<'_>, options: &ChooseOptions<'_>) -> Result<Choice> {
     check(options)?;
-    let mut made = make(group, options)?;
-    made.sort_by(|a, b| cost(a, options).total_cmp(&cost(b, options)));
-    if made.is_empty() {
-        return Ok(Choice::default());
+    match group.is_empty() {
+        true => Ok(Choice::default()),
+        false => Pick::new(group, options).made(),
     }
-    let judge = Judge::new(group, options.pixels, options.views)?;
-    let mut choice = Choice::default();
-    let mut best = f64::INFINITY;
-    for mut proxy in made {
-        let look_at = !choice.within && is_affordable(&proxy, options);
-        proxy.image_error = look_at.then(|| judge.flip(&proxy)).transpose()?;
-        choice.candidates.push(Candidate::of(&proxy));
-        if let Some(seen) = proxy.image_error.filter(|seen| *seen < best) {
-            best = seen;
-            choice.within = seen <= options.tolerance;
-            choice.proxy = Some(proxy);
-        }
-    }
-    Ok(choice)
-}
-
-fn make(group: &Group<'_>, options: &ChooseOptions<'_>) -> Result<Vec<Proxy>> {
-    let mut made = Vec::new();
-    if let Some(solid) = &options.solid {
-        made.extend(box_proxy(group, solid)?);
-    }
-    if let Some(cards) = options.cards {
-        let pixels = options.pixels;
-        // A level card is good for what is flat and bad for what is high.
-        for top in if cards.top {
-            &[true, false][..]
-        } else {
-            &[false]
-        } {
-            let cards = ImpostorOptions {
-                pixels,
-                top: *top,
-                ..cards
-            };
-            made.extend(impostor(group, &cards)?);
-        }
-    }
-    let Some(joined) = options.merged else {
-        return Ok(made);
-    };
-    let pixel = group.bounds().diagonal() / f64::from(options.pixels);
-    let mut errors = options.errors.to_vec();
-    errors.sort_by(f64::total_cmp);
-    let stops: Vec<Stop> = errors.iter().map(|e| Stop::error(e * pixel)).collect();
-    let joined = MergedOptions {
-        pixels: options.pixels,
-        ..joined
-    };
-    made.extend(merged_chain(group, &stops, &joined)?.into_iter().flatten());
-    Ok(made)
-}
-
-fn cost(proxy: &Proxy, options: &ChooseOptions<'_>) -> f64 {
-    proxy.bytes as f64 + options.triangle_bytes * proxy.triangles() as f64
-}
-
-fn is_affordable(proxy: &Proxy, options: &ChooseOptions<'_>) -> bool {
-    options
-        .triangles
-        .is_none_or(|most| proxy.triangles() <= most)
-        && options.bytes.is_none_or(|most| proxy.bytes <= most)
 }
 
 impl Candidate {
-    fn of(proxy: &Proxy) -> Self {
+    pub(super) fn of(proxy: &Proxy) -> Self {
         Self {
             kind: proxy.kind,
             triangles: proxy.triangles(),
@@ -189,9 +131,8 @@ fn check(options: &ChooseOptions<'_>) -> Result<()> {
     if options.views == 0 {
         return Err(wrong("views", 0.0, "1 or more"));
     }
-    let bytes = options.triangle_bytes;
-    if !(bytes.is_finite() && bytes >= 0.0) {
-        return Err(wrong("triangle_bytes", bytes, "0 or more, and finite"));
+    if options.error.is_nan() || options.error < 0.0 {
+        return Err(wrong("error", options.error, "0 or more"));
     }
     match options
         .errors

@@ -4,7 +4,7 @@ use super::group::Group;
 use crate::error::Result;
 use crate::geom::{DVec3, Vec3};
 use crate::mesh::TriMesh;
-use crate::spatial::{Bvh, Hit};
+use crate::spatial::Bvh;
 use rayon::prelude::*;
 
 /// Pieces of a triangle that reach no farther from their middle than this share of
@@ -26,13 +26,15 @@ pub(super) fn distance(group: &Group<'_>, proxy: &TriMesh) -> Result<f64> {
 }
 
 fn farthest(from: &TriMesh, to: &Bvh, finest: f64) -> f64 {
-    let corners = farthest_corner(from, to);
+    let used = used(from);
+    // Some corners tell how far others have to be to matter.
+    let few = used.len().div_ceil(CHUNK).max(1);
+    let some: Vec<Vec3> = used.iter().step_by(few).copied().collect();
+    let some = farthest_corner(&some, to, 0.0);
+    let corners = farthest_corner(&used, to, some);
     let chunks = from.triangles.len().div_ceil(CHUNK);
     let of_chunk = |chunk: usize| {
-        let mut probe = Probe {
-            farthest: corners,
-            ..Probe::new(to)
-        };
+        let mut probe = Probe::new(to, corners);
         let first = chunk * CHUNK;
         for t in first..from.triangles.len().min(first + CHUNK) {
             probe.search(from.corners(t), finest);
@@ -43,24 +45,31 @@ fn farthest(from: &TriMesh, to: &Bvh, finest: f64) -> f64 {
     chunks.reduce(|| corners, f64::max)
 }
 
-fn farthest_corner(from: &TriMesh, to: &Bvh) -> f64 {
-    let mut used = vec![false; from.positions.len()];
-    let corners = from.triangles.iter().flatten();
+/// Corners of all triangles, each once.
+fn used(mesh: &TriMesh) -> Vec<Vec3> {
+    let mut used = vec![false; mesh.positions.len()];
+    let corners = mesh.triangles.iter().flatten();
     corners.for_each(|&v| used[v as usize] = true);
-    let chunks = from.positions.par_chunks(CHUNK).zip(used.par_chunks(CHUNK));
-    let of_chunk = |(positions, used): (&[Vec3], &[bool])| {
-        let mut probe = Probe::new(to);
-        for (p, _) in positions.iter().zip(used).filter(|(_, used)| **used) {
-            probe.visit(p.as_dvec3());
+    let used = mesh.positions.iter().zip(used);
+    used.filter_map(|(p, used)| used.then_some(*p)).collect()
+}
+
+/// `least` if none is farther.
+fn farthest_corner(corners: &[Vec3], to: &Bvh, least: f64) -> f64 {
+    let of_chunk = |corners: &[Vec3]| {
+        let mut probe = Probe::new(to, least);
+        for p in corners {
+            probe.is_beyond(p.as_dvec3(), 0.0);
         }
         probe.farthest
     };
-    chunks.map(of_chunk).reduce(|| 0.0, f64::max)
+    let chunks = corners.par_chunks(CHUNK).map(of_chunk);
+    chunks.reduce(|| least, f64::max)
 }
 
 struct Probe<'a> {
     to: &'a Bvh,
-    near: Option<Hit>,
+    near: u32,
     /// Largest distance so far.
     farthest: f64,
     /// Pieces still to be looked into.
@@ -68,24 +77,24 @@ struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    fn new(to: &'a Bvh) -> Self {
+    fn new(to: &'a Bvh, farthest: f64) -> Self {
         Self {
             to,
-            near: None,
-            farthest: 0.0,
+            near: 0,
+            farthest,
             pieces: Vec::new(),
         }
     }
 
-    fn visit(&mut self, p: DVec3) -> f64 {
-        let hit = match &self.near {
-            Some(near) => self.to.closest_near(p, near),
-            None => self.to.closest(p),
-        };
-        self.near = Some(hit);
+    /// Whether something no farther than `reach` from here may be farther away than
+    /// is known.
+    fn is_beyond(&mut self, p: DVec3, reach: f64) -> bool {
+        let enough = (self.farthest - reach).max(0.0);
+        let hit = self.to.closest_or_within(p, self.near, enough * enough);
+        self.near = hit.slot;
         let distance = hit.distance_squared.sqrt();
         self.farthest = self.farthest.max(distance);
-        distance
+        distance + reach > self.farthest
     }
 
     fn search(&mut self, triangle: [DVec3; 3], finest: f64) {
@@ -94,7 +103,7 @@ impl<'a> Probe<'a> {
             let middle = (a + b + c) / 3.0;
             let reach = [a, b, c].map(|p| p.distance(middle));
             let reach = reach[0].max(reach[1]).max(reach[2]);
-            if reach > finest && self.visit(middle) + reach > self.farthest {
+            if reach > finest && self.is_beyond(middle, reach) {
                 let [d, e, f] = [(b + c) * 0.5, (c + a) * 0.5, (a + b) * 0.5];
                 self.pieces
                     .extend([[a, f, e], [f, b, d], [e, d, c], [d, e, f]]);

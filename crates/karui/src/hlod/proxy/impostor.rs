@@ -92,6 +92,12 @@ pub fn impostor(group: &Group<'_>, options: &ImpostorOptions) -> Result<Option<P
     }))
 }
 
+/// What the error of such cards cannot be less than.
+pub(super) fn least_error(group: &Group<'_>, options: &ImpostorOptions) -> Result<f64> {
+    let up = checked(options)?;
+    Ok(group.error + depth(group, &windows(group, options, up)))
+}
+
 /// The upward direction, of length 1.
 fn checked(options: &ImpostorOptions) -> Result<Vec3> {
     check(options.pixels, options.side)?;

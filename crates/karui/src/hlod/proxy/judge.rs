@@ -58,7 +58,7 @@ fn picture(renderer: &Renderer<'_>, camera: &Camera, side: u32) -> Result<Pictur
     let options = RenderOptions {
         width: side,
         height: side,
-        samples: 4,
+        samples: 2,
         outputs: Outputs::COLOR,
         ..RenderOptions::default()
     };

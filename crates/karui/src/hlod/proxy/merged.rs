@@ -7,6 +7,7 @@ use super::hidden::hidden;
 use super::plan::{Plan, Wardrobe};
 use super::proxy::{Proxy, ProxyKind};
 use crate::error::Result;
+use crate::mesh::TriMesh;
 use crate::progress::{Progress, Silent, step};
 use crate::simplify::{Quality, SimplifyOptions, Stop, simplify_chain};
 use std::borrow::Cow;
@@ -79,51 +80,79 @@ impl fmt::Debug for MergedOptions<'_> {
 /// Those of [`simplify_chain`] and
 /// [`BadOption`](crate::Error::BadOption) for options out of range.
 pub fn merged(group: &Group<'_>, options: &MergedOptions<'_>) -> Result<Option<Proxy>> {
-    let mut levels = merged_chain(group, &[options.stop], options)?;
-    Ok(levels.pop().flatten())
+    let mut levels = Levels::new(group, &[options.stop], options)?;
+    levels.pop().unwrap_or(Ok(None))
 }
 
-/// As [`merged`], to one stop after another, finest first.
-pub(super) fn merged_chain(
-    group: &Group<'_>,
-    stops: &[Stop],
-    options: &MergedOptions<'_>,
-) -> Result<Vec<Option<Proxy>>> {
-    let budget = Budget::new(group, options)?;
-    if group.is_empty() || stops.is_empty() {
-        return Ok(Vec::new());
-    }
-    step(options.progress, "merging", 0.0)?;
-    let seen = seen(group, options)?;
-    let plan = Plan::of(&seen, options.materials, &budget);
-    let source = plan.source(&seen);
-    if source.triangles.is_empty() {
-        return Ok(Vec::new());
-    }
-    step(options.progress, "merging", 0.2)?;
-    let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
-    let levels = simplify_chain(&source, &stops, &simplify_options(options))?;
-    step(options.progress, "merging", 0.6)?;
-    let wardrobe = Wardrobe::new(&seen, plan)?;
-    let mut chain = Vec::new();
-    for level in levels {
-        let mesh = level.mesh;
-        if mesh.triangles.is_empty() || mesh.triangles.len() >= group.triangles() {
-            chain.push(None);
-            continue;
+/// The members simplified to one stop after another, and made stand-ins of one by one.
+pub(super) struct Levels<'a> {
+    group: &'a Group<'a>,
+    seen: Cow<'a, Group<'a>>,
+    plan: Plan,
+    budget: Budget,
+    /// Coarsest last.
+    meshes: Vec<TriMesh>,
+    progress: &'a dyn Progress,
+}
+
+impl<'a> Levels<'a> {
+    /// To `stops`, finest first.
+    pub fn new(group: &'a Group<'a>, stops: &[Stop], options: &MergedOptions<'a>) -> Result<Self> {
+        let budget = Budget::new(group, options)?;
+        step(options.progress, "merging", 0.0)?;
+        let is_none = group.is_empty() || stops.is_empty();
+        let seen = match is_none {
+            true => Cow::Borrowed(group),
+            false => seen(group, options)?,
+        };
+        let plan = Plan::of(&seen, options.materials, &budget);
+        let source = plan.source(&seen);
+        step(options.progress, "merging", 0.2)?;
+        let mut meshes = Vec::new();
+        if !(is_none || source.triangles.is_empty()) {
+            let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
+            let levels = simplify_chain(&source, &stops, &simplify_options(options))?;
+            meshes.extend(levels.into_iter().map(|level| level.mesh));
         }
-        let error = group.error + distance(&seen, &mesh)?;
-        let dressed = wardrobe.dress(mesh, &budget)?;
+        step(options.progress, "merging", 0.6)?;
+        Ok(Self {
+            group,
+            seen,
+            plan,
+            budget,
+            meshes,
+            progress: options.progress,
+        })
+    }
+
+    /// Leaves out levels with more triangles than this, and of those with equally many
+    /// all but one.
+    pub fn keep_distinct(&mut self, most: usize) {
+        self.meshes.retain(|mesh| mesh.triangles.len() <= most);
+        self.meshes.dedup_by_key(|mesh| mesh.triangles.len());
+    }
+
+    /// Takes out the coarsest level left and makes it a stand-in, unless it has as many
+    /// triangles as the members have, or none.
+    pub fn pop(&mut self) -> Option<Result<Option<Proxy>>> {
+        let mesh = self.meshes.pop()?;
+        Some(self.proxy(mesh))
+    }
+
+    fn proxy(&self, mesh: TriMesh) -> Result<Option<Proxy>> {
+        if mesh.triangles.is_empty() || mesh.triangles.len() >= self.group.triangles() {
+            return Ok(None);
+        }
+        let error = self.group.error + distance(&self.seen, &mesh)?;
+        let dressed = Wardrobe::new(&self.seen, &self.plan)?.dress(mesh, &self.budget)?;
         let scene = dressed.outfit.scene(dressed.mesh);
-        let proxy = Proxy::new(ProxyKind::Merged, group.origin, scene, error);
-        chain.push(Some(Proxy {
+        let proxy = Proxy::new(ProxyKind::Merged, self.group.origin, scene, error);
+        step(self.progress, "merging", 1.0)?;
+        Ok(Some(Proxy {
             coarser: dressed.coarser,
             ..proxy
-        }));
-        step(options.progress, "merging", 0.9)?;
+        }))
     }
-    step(options.progress, "merging", 1.0)?;
-    Ok(chain)
 }
 
 /// The group without what is hidden.

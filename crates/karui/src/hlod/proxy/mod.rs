@@ -8,7 +8,7 @@
 //! - [`box_proxy()`]: the paper's, a box of the mean colour;
 //! - [`merged()`]: the members as one simplified mesh, its textures baked into one;
 //! - [`impostor()`]: pictures of the members on a few cards;
-//! - [`choose()`]: the cheapest of them that looks like the members.
+//! - [`choose()`]: the first of them, from the cheapest on, that looks like the members.
 //!
 //! ```
 //! use karui::geom::{DMat4, DVec3};
@@ -53,6 +53,7 @@ mod normal_map;
 mod outfit;
 mod pack;
 mod paint;
+mod pick;
 mod plan;
 #[allow(clippy::module_inception, reason = "it holds the type of that name")]
 mod proxy;

@@ -75,13 +75,13 @@ impl Plan {
 /// All that simplified meshes need to be what the plan says.
 pub(super) struct Wardrobe<'a> {
     group: &'a Group<'a>,
-    plan: Plan,
+    plan: &'a Plan,
     nearest: Option<Nearest<'a>>,
 }
 
 impl<'a> Wardrobe<'a> {
-    pub fn new(group: &'a Group<'a>, plan: Plan) -> Result<Self> {
-        let nearest = match &plan {
+    pub fn new(group: &'a Group<'a>, plan: &'a Plan) -> Result<Self> {
+        let nearest = match plan {
             Plan::Texture(classes) => Some(Nearest::new(group, classes)?),
             Plan::Keep | Plan::Vertices(_) => None,
         };
@@ -94,7 +94,7 @@ impl<'a> Wardrobe<'a> {
 
     /// A simplified mesh, its colours where they are to be.
     pub fn dress(&self, mesh: TriMesh, budget: &Budget) -> Result<Dressed> {
-        let outfit = match &self.plan {
+        let outfit = match self.plan {
             Plan::Keep => Outfit::of(&self.group.slots),
             Plan::Vertices(classes) | Plan::Texture(classes) => Outfit {
                 materials: classes.materials.clone(),

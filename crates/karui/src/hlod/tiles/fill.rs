@@ -4,44 +4,45 @@ use super::coarse::stretch;
 use super::options::HlodOptions;
 use super::{Hlod, Tile, TileContent};
 use crate::error::Result;
-use crate::hlod::proxy::{Choice, ChooseOptions, Group, Look, Member, Objects, Proxy, choose};
+use crate::hlod::proxy::{
+    ChooseOptions, Group, Look, Member, MergedOptions, Objects, Proxy, choose,
+};
 use crate::progress::step;
 use crate::render::Picture;
 use rayon::prelude::*;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Makes all stand-ins; of one depth at the same time, deepest first.
+/// Makes all stand-ins; those of a tile's children at the same time.
 pub(super) fn fill(
     hlod: &mut Hlod<'_>,
     images: &[Option<Picture>],
     options: &HlodOptions<'_>,
 ) -> Result<()> {
-    let children = children(&hlod.tiles);
-    let depths = depths(&hlod.tiles);
-    let mut empty: Vec<usize> = (0..hlod.tiles.len())
-        .filter(|&t| matches!(hlod.tiles[t].content, TileContent::Nothing))
-        .collect();
-    empty.sort_by_key(|&t| (std::cmp::Reverse(depths[t]), t));
+    step(options.progress, "stand-ins", 0.0)?;
     let look = Look::of_scene(hlod.scene, images);
-    let mut done = 0;
-    for together in empty.chunk_by(|&a, &b| depths[a] == depths[b]) {
-        // Few at a time, so that one is told how far it is.
-        for some in together.chunks(8) {
-            step(
-                options.progress,
-                "stand-ins",
-                done as f32 / empty.len() as f32,
-            )?;
-            let stand_in = |&t: &usize| hlod.stand_in(&hlod.drawn(t, &children), &look, options);
-            let made: Vec<Choice> = some.par_iter().map(stand_in).collect::<Result<_>>()?;
-            for (&t, choice) in some.iter().zip(made) {
-                let below = children[t].iter().map(|&c| hlod.tiles[c as usize].error);
-                let least = below.fold(0.0, f64::max);
-                hlod.tiles[t].take(choice.proxy, least);
-            }
-            done += some.len();
+    let filler = Filler {
+        hlod,
+        look: &look,
+        options,
+        children: children(&hlod.tiles),
+        made: hlod.tiles.iter().map(|_| OnceLock::new()).collect(),
+        done: Mutex::new(0),
+    };
+    filler.fill(0)?;
+    let children = filler.children;
+    let made: Vec<Option<Proxy>> = filler.made.into_iter().map(take).collect();
+    for (t, proxy) in made.into_iter().enumerate().rev() {
+        if matches!(hlod.tiles[t].content, TileContent::Nothing) {
+            let below = children[t].iter().map(|&c| hlod.tiles[c as usize].error);
+            let least = below.fold(0.0, f64::max);
+            hlod.tiles[t].take(proxy, least);
         }
     }
     Ok(())
+}
+
+fn take(made: OnceLock<Option<Proxy>>) -> Option<Proxy> {
+    made.into_inner().flatten()
 }
 
 /// Tiles below every tile.
@@ -53,14 +54,6 @@ fn children(tiles: &[Tile]) -> Vec<Vec<u32>> {
         }
     }
     children
-}
-
-fn depths(tiles: &[Tile]) -> Vec<u32> {
-    let mut depths = vec![0; tiles.len()];
-    for (t, tile) in tiles.iter().enumerate() {
-        depths[t] = tile.parent.map_or(0, |p| depths[p as usize] + 1);
-    }
-    depths
 }
 
 impl Tile {
@@ -78,15 +71,46 @@ impl Tile {
     }
 }
 
-impl Hlod<'_> {
+/// Stand-ins as they are made.
+struct Filler<'a> {
+    hlod: &'a Hlod<'a>,
+    look: &'a Look<'a>,
+    options: &'a HlodOptions<'a>,
+    children: Vec<Vec<u32>>,
+    /// By tile.
+    made: Vec<OnceLock<Option<Proxy>>>,
+    /// Number of tiles that are ready.
+    done: Mutex<usize>,
+}
+
+impl Filler<'_> {
+    /// Fills a tile after all below. A tree of tiles is not deep: a child has no more
+    /// than half of the triangles.
+    fn fill(&self, tile: u32) -> Result<()> {
+        let below = self.children[tile as usize].par_iter();
+        below.try_for_each(|&child| self.fill(child))?;
+        if matches!(self.content(tile), TileContent::Nothing) {
+            let made = self.stand_in(&self.drawn(tile))?;
+            // Nobody else fills this tile.
+            let _ = self.made[tile as usize].set(made);
+        }
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        let share = *done as f32 / self.made.len() as f32;
+        step(self.options.progress, "stand-ins", share)
+    }
+
+    fn content(&self, tile: u32) -> &TileContent {
+        &self.hlod.tiles[tile as usize].content
+    }
+
+    fn proxy(&self, tile: u32) -> Option<&Proxy> {
+        self.made[tile as usize].get()?.as_ref()
+    }
+
     /// For all of these tiles.
-    fn stand_in(
-        &self,
-        tiles: &[u32],
-        look: &Look<'_>,
-        options: &HlodOptions<'_>,
-    ) -> Result<Choice> {
-        let proxies = self.proxies(tiles);
+    fn stand_in(&self, tiles: &[u32]) -> Result<Option<Proxy>> {
+        let proxies: Vec<&Proxy> = tiles.iter().filter_map(|&t| self.proxy(t)).collect();
         let pictures: Vec<_> = proxies.iter().map(|p| p.pictures()).collect();
         let looks = proxies.iter().zip(&pictures);
         let looks: Vec<Look<'_>> = looks.map(|(p, i)| Look::of_scene(&p.scene, i)).collect();
@@ -95,45 +119,47 @@ impl Hlod<'_> {
             .zip(&looks)
             .map(|(proxy, look)| proxy.member(look))
             .collect();
-        members.extend(self.objects_in(tiles).map(|o| self.member(o, look)));
+        let objects: Vec<u32> = self.objects_in(tiles).collect();
+        members.extend(objects.iter().map(|&o| self.hlod.member(o, self.look)));
         let group = Group::new(&members)?;
-        let most = options.stand_in.min(group.triangles() / 2);
+        let most = self.options.stand_in.min(group.triangles() / 2);
+        let merged = self.options.choose.merged.map(|merged| MergedOptions {
+            // What is hidden in a stand-in was left out when it was made.
+            drop_hidden: merged.drop_hidden && !objects.is_empty(),
+            ..merged
+        });
         let bounded = ChooseOptions {
             triangles: Some(most),
-            ..options.choose
+            merged,
+            ..self.options.choose
         };
-        choose(&group, &bounded)
+        Ok(choose(&group, &bounded)?.proxy)
     }
 
     /// The nearest tiles below one in which something is drawn.
-    fn drawn(&self, tile: usize, children: &[Vec<u32>]) -> Vec<u32> {
-        let mut open: Vec<u32> = children[tile].iter().rev().copied().collect();
+    fn drawn(&self, tile: u32) -> Vec<u32> {
+        let below = |t: u32| self.children[t as usize].iter().rev().copied();
+        let mut open: Vec<u32> = below(tile).collect();
         let mut drawn = Vec::new();
         while let Some(t) = open.pop() {
-            match self.tiles[t as usize].content {
-                TileContent::Nothing => open.extend(children[t as usize].iter().rev()),
+            match self.content(t) {
+                TileContent::Nothing if self.proxy(t).is_none() => open.extend(below(t)),
                 _ => drawn.push(t),
             }
         }
         drawn
     }
 
-    fn proxies(&self, tiles: &[u32]) -> Vec<&Proxy> {
-        let proxy = |&t: &u32| match &self.tiles[t as usize].content {
-            TileContent::Proxy(proxy) => Some(&**proxy),
-            _ => None,
-        };
-        tiles.iter().filter_map(proxy).collect()
-    }
-
     fn objects_in(&self, tiles: &[u32]) -> impl Iterator<Item = u32> {
-        let objects = |&t: &u32| match &self.tiles[t as usize].content {
+        let objects = |&t: &u32| match self.content(t) {
             TileContent::Objects(objects) | TileContent::Coarse(objects) => objects.as_slice(),
             _ => &[],
         };
         tiles.iter().flat_map(objects).copied()
     }
+}
 
+impl Hlod<'_> {
     fn member<'b>(&'b self, object: u32, look: &'b Look<'b>) -> Member<'b> {
         let placed = &self.objects[object as usize];
         let coarse = self.coarse_of(object);

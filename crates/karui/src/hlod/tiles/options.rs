@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::hlod::TreeOptions;
-use crate::hlod::proxy::ChooseOptions;
+use crate::hlod::proxy::{ChooseOptions, MergedOptions};
 use crate::progress::{Progress, Silent};
-use crate::simplify::Stop;
+use crate::simplify::{Quality, Stop};
 use std::fmt;
 
 /// How [`Hlod::build`](super::Hlod::build) works.
@@ -20,7 +20,9 @@ pub struct HlodOptions<'a> {
     /// Coarsest level of an object. Default: a tenth of its triangles.
     pub coarsest: Stop,
     /// How stand-ins are chosen; its bound on triangles is not used. Default: that of
-    /// [`ChooseOptions`], at 256 pixels.
+    /// [`ChooseOptions`] at 256 pixels, with errors of at most 16 pixels (what clients
+    /// of 3D Tiles switch at), seen from 3 sides, merged with [`Quality::Fast`] at 4
+    /// pixels or as many triangles as there may be.
     pub choose: ChooseOptions<'a>,
     /// Told about the work and asked whether to go on.
     pub progress: &'a dyn Progress,
@@ -35,6 +37,13 @@ impl Default for HlodOptions<'_> {
             coarsest: Stop::ratio(0.1),
             choose: ChooseOptions {
                 pixels: 256,
+                error: 16.0,
+                views: 3,
+                merged: Some(MergedOptions {
+                    quality: Quality::Fast,
+                    ..MergedOptions::default()
+                }),
+                errors: &[4.0],
                 ..ChooseOptions::default()
             },
             progress: &Silent,

@@ -224,20 +224,18 @@ fn the_cheapest_that_looks_alike_is_chosen() {
     // Of a cube the box is all there is.
     let choice = chosen(&block, &plain);
     assert_eq!(choice.proxy.as_ref().map(|p| p.kind), Some(ProxyKind::Box));
-    assert!(choice.within && choice.candidates.len() > 2);
+    assert!(choice.within && choice.candidates.len() == 1);
     let choice = chosen(&ball, &plain);
     assert!(
         choice.within && choice.proxy.as_ref().unwrap().kind != ProxyKind::Box,
         "{choice:?}"
     );
-    let cost = |c: &Candidate| c.bytes as f64 + 64.0 * c.triangles as f64;
-    assert!(choice.candidates.is_sorted_by(|a, b| cost(a) <= cost(b)));
-    // The one chosen is the first that is good enough.
-    let first = choice
-        .candidates
-        .iter()
-        .find(|c| c.image_error.is_some_and(|e| e <= 0.15));
-    assert_eq!(first.unwrap().triangles, choice.proxy.unwrap().triangles());
+    // The one chosen is the first that is good enough, and the last that was made.
+    let (last, before) = choice.candidates.split_last().unwrap();
+    assert_eq!(Some(last.kind), choice.proxy.as_ref().map(|p| p.kind));
+    assert!(last.image_error.unwrap() <= 0.15);
+    assert!(before.iter().all(|c| c.image_error.unwrap() > 0.15));
+    assert!(choice.candidates.is_sorted_by_key(|c| c.kind));
     // A bound that only the box keeps to, and one that nothing does.
     let few = ChooseOptions {
         triangles: Some(12),
@@ -275,7 +273,7 @@ fn the_cheapest_that_looks_alike_is_chosen() {
         ChooseOptions { pixels: 0, ..plain },
         ChooseOptions { views: 0, ..plain },
         ChooseOptions {
-            triangle_bytes: f64::NAN,
+            error: f64::NAN,
             ..plain
         },
         ChooseOptions {
@@ -285,4 +283,41 @@ fn the_cheapest_that_looks_alike_is_chosen() {
     ] {
         assert!(choose(&empty, &bad).is_err());
     }
+}
+
+#[test]
+fn what_is_too_far_off_is_not_chosen_unless_there_is_nothing_else() {
+    let (ball, look) = (shapes::icosphere(4), Look::default());
+    let group = Group::new(&[member(&ball, DMat4::IDENTITY, &look, 0)]).unwrap();
+    let plain = ChooseOptions {
+        tolerance: 1.0,
+        ..ChooseOptions::default()
+    };
+    // However it looks, the box is off by the corners it adds, 13.5 of 64 pixels.
+    let pixel = group.bounds().diagonal() / 64.0;
+    let with = |error| choose(&group, &ChooseOptions { error, ..plain }).unwrap();
+    let choice = with(14.0);
+    assert_eq!(choice.proxy.map(|p| p.kind), Some(ProxyKind::Box));
+    let choice = with(13.0);
+    assert!(choice.within && choice.candidates.len() == 1, "{choice:?}");
+    let proxy = choice.proxy.unwrap();
+    assert_eq!(proxy.kind, ProxyKind::Merged);
+    assert!(proxy.error <= 13.0 * pixel);
+    // Nothing keeps to it: the least of what was made, which nobody looked at.
+    let choice = with(0.0);
+    let least = choice
+        .candidates
+        .iter()
+        .map(|c| c.error)
+        .fold(9.0, f64::min);
+    let proxy = choice.proxy.unwrap();
+    assert!(!choice.within && proxy.image_error.is_none());
+    assert_eq!((proxy.error, proxy.kind), (least, ProxyKind::Merged));
+    let rough = ChooseOptions {
+        error: 0.0,
+        merged: None,
+        ..plain
+    };
+    let choice = choose(&group, &rough).unwrap();
+    assert_eq!(choice.proxy.map(|p| p.kind), Some(ProxyKind::Box));
 }
