@@ -9,7 +9,7 @@ use super::proxy::{Proxy, ProxyKind};
 use crate::error::Result;
 use crate::mesh::TriMesh;
 use crate::progress::{Progress, Silent, step};
-use crate::simplify::{Quality, SimplifyOptions, Stop, simplify_chain};
+use crate::simplify::{ClusterOptions, Quality, SimplifyOptions, Stop, cluster, simplify_chain};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -80,7 +80,7 @@ impl fmt::Debug for MergedOptions<'_> {
 /// Those of [`simplify_chain`] and
 /// [`BadOption`](crate::Error::BadOption) for options out of range.
 pub fn merged(group: &Group<'_>, options: &MergedOptions<'_>) -> Result<Option<Proxy>> {
-    let mut levels = Levels::new(group, &[options.stop], options)?;
+    let mut levels = Levels::new(group, &[options.stop], usize::MAX, options)?;
     levels.pop().unwrap_or(Ok(None))
 }
 
@@ -96,8 +96,13 @@ pub(super) struct Levels<'a> {
 }
 
 impl<'a> Levels<'a> {
-    /// To `stops`, finest first.
-    pub fn new(group: &'a Group<'a>, stops: &[Stop], options: &MergedOptions<'a>) -> Result<Self> {
+    /// To `stops`, finest first, none with more than `most` triangles.
+    pub fn new(
+        group: &'a Group<'a>,
+        stops: &[Stop],
+        most: usize,
+        options: &MergedOptions<'a>,
+    ) -> Result<Self> {
         let budget = Budget::new(group, options)?;
         step(options.progress, "merging", 0.0)?;
         let is_none = group.is_empty() || stops.is_empty();
@@ -108,12 +113,10 @@ impl<'a> Levels<'a> {
         let plan = Plan::of(&seen, options.materials, &budget);
         let source = plan.source(&seen);
         step(options.progress, "merging", 0.2)?;
-        let mut meshes = Vec::new();
-        if !(is_none || source.triangles.is_empty()) {
-            let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
-            let levels = simplify_chain(&source, &stops, &simplify_options(options))?;
-            meshes.extend(levels.into_iter().map(|level| level.mesh));
-        }
+        let meshes = match is_none || source.triangles.is_empty() {
+            true => Vec::new(),
+            false => levels(&source, group, stops, most, options)?,
+        };
         step(options.progress, "merging", 0.6)?;
         Ok(Self {
             group,
@@ -123,13 +126,6 @@ impl<'a> Levels<'a> {
             meshes,
             progress: options.progress,
         })
-    }
-
-    /// Leaves out levels with more triangles than this, and of those with equally many
-    /// all but one.
-    pub fn keep_distinct(&mut self, most: usize) {
-        self.meshes.retain(|mesh| mesh.triangles.len() <= most);
-        self.meshes.dedup_by_key(|mesh| mesh.triangles.len());
     }
 
     /// Takes out the coarsest level left and makes it a stand-in, unless it has as many
@@ -153,6 +149,30 @@ impl<'a> Levels<'a> {
             ..proxy
         }))
     }
+}
+
+/// Levels that differ, coarsest last. Where topology is in the way of `most` triangles,
+/// there is one by vertex clustering.
+fn levels(
+    source: &TriMesh,
+    group: &Group<'_>,
+    stops: &[Stop],
+    most: usize,
+    options: &MergedOptions<'_>,
+) -> Result<Vec<TriMesh>> {
+    let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
+    let levels = simplify_chain(source, &stops, &simplify_options(options))?;
+    let mut meshes: Vec<TriMesh> = levels.into_iter().map(|level| level.mesh).collect();
+    meshes.retain(|mesh| mesh.triangles.len() <= most);
+    meshes.dedup_by_key(|mesh| mesh.triangles.len());
+    if meshes.is_empty() {
+        let how = ClusterOptions {
+            stop: Stop::triangles(most),
+            ..ClusterOptions::default()
+        };
+        meshes.push(cluster(source, &how)?.mesh);
+    }
+    Ok(meshes)
 }
 
 /// The group without what is hidden.

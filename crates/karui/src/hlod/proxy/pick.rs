@@ -113,8 +113,8 @@ impl<'a> Pick<'a> {
         let most = self.options.triangles;
         let mut stops: Vec<Stop> = most.map(Stop::triangles).into_iter().collect();
         stops.extend(errors.iter().map(|e| Stop::error(e * self.pixel)));
-        let mut levels = Levels::new(self.group, &stops, options)?;
-        levels.keep_distinct(most.unwrap_or(usize::MAX));
+        let most = most.unwrap_or(usize::MAX);
+        let mut levels = Levels::new(self.group, &stops, most, options)?;
         while let Some(proxy) = levels.pop() {
             if let Some(proxy) = proxy? {
                 self.take(proxy)?;

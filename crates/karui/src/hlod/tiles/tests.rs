@@ -31,7 +31,7 @@ fn built(scene: &Scene, triangles: usize) -> Hlod<'_> {
 
 #[test]
 fn every_object_is_drawn_once_as_it_is() {
-    let scene = trees(400);
+    let scene = trees(120);
     let hlod = built(&scene, 8_000);
     let mut drawn: Vec<u32> = Vec::new();
     for tile in hlod.tiles() {
@@ -48,7 +48,7 @@ fn every_object_is_drawn_once_as_it_is() {
 
 #[test]
 fn errors_and_boxes_hold_those_below_and_triangles_become_fewer() {
-    let scene = trees(600);
+    let scene = trees(250);
     let hlod = built(&scene, 6_000);
     let tiles = hlod.tiles();
     assert!(tiles.len() > 20);
@@ -78,7 +78,7 @@ fn errors_and_boxes_hold_those_below_and_triangles_become_fewer() {
 
 #[test]
 fn contents_are_scenes_that_know_their_objects() {
-    let scene = trees(200);
+    let scene = trees(100);
     let hlod = built(&scene, 5_000);
     for (t, tile) in (0u32..).zip(hlod.tiles()) {
         let origin = tile.bounds.center();
@@ -105,7 +105,7 @@ fn contents_are_scenes_that_know_their_objects() {
 
 #[test]
 fn the_same_for_any_number_of_threads() {
-    let scene = trees(120);
+    let scene = trees(60);
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let made = pool.build().unwrap().install(|| built(&scene, 4_000));
