@@ -6,6 +6,7 @@ use super::group::Group;
 use super::hidden::hidden;
 use super::plan::{Plan, Wardrobe};
 use super::proxy::{Proxy, ProxyKind};
+use super::single::single;
 use crate::error::Result;
 use crate::mesh::TriMesh;
 use crate::progress::{Progress, Silent, step};
@@ -170,7 +171,9 @@ fn levels(
             stop: Stop::triangles(most),
             ..ClusterOptions::default()
         };
-        meshes.push(cluster(source, &how)?.mesh);
+        let mut clustered = cluster(source, &how)?.mesh;
+        single(&mut clustered);
+        meshes.push(clustered);
     }
     Ok(meshes)
 }

@@ -58,6 +58,7 @@ mod plan;
 #[allow(clippy::module_inception, reason = "it holds the type of that name")]
 mod proxy;
 mod silhouette;
+mod single;
 
 #[cfg(test)]
 mod tests;
