@@ -38,7 +38,8 @@ fn every_object_is_drawn_once_as_it_is() {
         if let TileContent::Objects(objects) = &tile.content {
             drawn.extend(objects);
             assert_eq!(tile.error, 0.0);
-            assert!(tile.triangles <= 8_000);
+            // The ground has more by itself.
+            assert!(tile.triangles <= 8_000 || objects.len() == 1);
         }
     }
     drawn.sort_unstable();
