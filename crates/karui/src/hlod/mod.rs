@@ -41,6 +41,7 @@ mod check;
 mod finder;
 mod group;
 mod levels;
+mod nesting;
 mod object;
 mod oklab;
 mod omega;
@@ -56,6 +57,7 @@ mod walk;
 
 pub use bounds::Bounds;
 pub use group::{Group, Member};
+pub use nesting::Nest;
 pub use object::Object;
 pub use omega::{ColorSpace, Lengths, OmegaOptions, omega0};
 pub use shape::Shape;

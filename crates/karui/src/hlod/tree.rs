@@ -108,6 +108,15 @@ impl Tree {
     /// none, negative or beyond 1e30; [`Error::BadOption`];
     /// [`Error::TooLarge`] for more than 2^30 objects; [`Error::Cancelled`].
     pub fn build(objects: Vec<Object>, options: &TreeOptions<'_>) -> Result<Self> {
+        let mut tree = Self::unbuilt(objects, options)?;
+        let pieces: Vec<Slot> = tree.root_slots().to_vec();
+        tree.regroup(&pieces, options.progress)?;
+        tree.lay_out();
+        Ok(tree)
+    }
+
+    /// Every object on its own, once all is checked.
+    pub(super) fn unbuilt(objects: Vec<Object>, options: &TreeOptions<'_>) -> Result<Self> {
         within_limit(objects.len())?;
         let mut checked = objects.iter().enumerate();
         checked.try_for_each(|(i, object)| object.check(i))?;
@@ -122,11 +131,7 @@ impl Tree {
         let steps = options
             .thresholds
             .resolved(&objects, options.omega.distance)?;
-        let mut tree = Self::of_roots(objects, options, steps);
-        let pieces: Vec<Slot> = tree.root_slots().to_vec();
-        tree.regroup(&pieces, options.progress)?;
-        tree.lay_out();
-        Ok(tree)
+        Ok(Self::of_roots(objects, options, steps))
     }
 
     /// Every object on its own.
@@ -188,7 +193,7 @@ impl Tree {
         Ok(made)
     }
 
-    fn add_group(&mut self, object: Object, family: &Family, children: &[Slot]) -> Slot {
+    pub(super) fn add_group(&mut self, object: Object, family: &Family, children: &[Slot]) -> Slot {
         let range = self.append(children);
         let id = self.free.pop().unwrap_or(self.groups.len() as u32);
         let objects = children.iter().map(|c| self.objects_below(c)).sum();

@@ -47,6 +47,12 @@ fn forget_peak() -> Option<u64> {
     status("VmRSS:")
 }
 
+/// Most memory the process has had since it was last looked at by
+/// [`Watch::TimeAndMemory`], bytes.
+pub fn peak_memory() -> Option<u64> {
+    status("VmHWM:")
+}
+
 /// A size of the process by the Linux kernel, bytes.
 fn status(key: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

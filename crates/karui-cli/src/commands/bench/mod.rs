@@ -2,6 +2,7 @@
 
 mod child;
 mod clock;
+mod hlod;
 mod models;
 mod one;
 pub(super) mod page;
@@ -28,9 +29,11 @@ enum What {
     Saliency(saliency::Args),
     Views(views::Args),
     Thesis(thesis::Args),
+    Hlod(hlod::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
+    HlodSolo(hlod::solo::Args),
 }
 
 /// Runs the benchmark.
@@ -41,8 +44,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Saliency(args) => saliency::run(args, console),
         What::Views(args) => views::run(args, console),
         What::Thesis(args) => thesis::run(args, console),
+        What::Hlod(args) => hlod::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),
+        What::HlodSolo(args) => hlod::solo::run(args, console),
     }
 }
