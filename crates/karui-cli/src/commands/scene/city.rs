@@ -49,7 +49,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 /// All glTF files of a folder that a city has a use for, in order of names.
-fn read_parts(folder: &Path, console: &Console) -> Result<CityParts> {
+pub fn read_parts(folder: &Path, console: &Console) -> Result<CityParts> {
     let fail = |error| Failure::input(format!("cannot read {}: {error}", folder.display()));
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {

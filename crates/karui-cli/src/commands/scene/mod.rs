@@ -1,6 +1,6 @@
 //! `karui scene`: made-up scenes of very many objects.
 
-mod city;
+pub(super) mod city;
 mod forest;
 mod kato1998;
 

@@ -11,7 +11,7 @@ use karui::hlod::{Assets, Tree, TreeOptions, View, Walk};
 use karui::mesh::scenes::{CityOptions, CityParts, ForestOptions, city, forest};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Values of Omega_t; at 0 no group stands for its objects.
 const THRESHOLDS: [f64; 4] = [0.0, 0.01, 0.02, 0.05];
@@ -87,8 +87,10 @@ pub struct Row {
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ListRow {
     pub threshold: f64,
-    /// Half, 95 % and all of the frames took no longer.
+    /// Half, 95 % and all of the frames took no longer on the clock on the wall.
     pub milliseconds: [f64; 3],
+    /// All of the frames took no more of the processor, whatever else it had to do.
+    pub most_cpu_milliseconds: f64,
     /// Means over the frames.
     pub items: f64,
     pub triangles: f64,
@@ -175,15 +177,17 @@ fn fly(tree: &Tree, crowd: &Crowd, cameras: &[Camera], threshold: f64) -> Result
     };
     let mut walk = Walk::default();
     let mut times = Vec::new();
+    let mut most_cpu = 0f64;
     let (mut items, mut triangles) = (0, 0);
     for &camera in cameras {
         let view = View {
             threshold,
             ..View::new(camera)
         };
-        let start = Instant::now();
-        let list = walk.frame(tree, &view, &assets)?;
-        times.push(start.elapsed().as_secs_f64() * 1e3);
+        let (list, cost) = Watch::Time.call(|| walk.frame(tree, &view, &assets));
+        let list = list?;
+        times.push(cost.wall * 1e3);
+        most_cpu = most_cpu.max(cost.cpu * 1e3);
         items += list.items.len() as u64;
         triangles += list.counts.triangles;
     }
@@ -193,6 +197,7 @@ fn fly(tree: &Tree, crowd: &Crowd, cameras: &[Camera], threshold: f64) -> Result
     Ok(ListRow {
         threshold,
         milliseconds: [at(0.5), at(0.95), at(1.0)],
+        most_cpu_milliseconds: most_cpu,
         items: mean(items),
         triangles: mean(triangles),
     })
