@@ -84,13 +84,13 @@ struct Grouping {
 pub fn run(plan: &Plan<'_>, console: &Console) -> Result<(String, Value)> {
     let mut rows = Vec::new();
     let mut missing = Vec::new();
-    let sources: [(&str, &dyn Fn() -> Result<Option<Subject>>); 3] = [
-        ("forest", &|| forest_of(plan.objects).map(Some)),
-        ("city", &|| city_of(plan, console)),
-        ("engine", &|| engine(plan.models, console)),
-    ];
-    for (name, source) in sources {
-        match source()? {
+    for name in ["forest", "city", "engine"] {
+        let subject = match name {
+            "forest" => Some(forest_of(plan.objects)?),
+            "city" => city_of(plan, console)?,
+            _ => engine(plan.models, console)?,
+        };
+        match subject {
             Some(subject) => compare(&subject, plan, console, &mut rows)?,
             None => missing.push(name),
         }

@@ -40,11 +40,11 @@ pub struct Args {
     #[arg(long, group = "experiment")]
     groupings: bool,
     /// Objects of the scenes for --groupings
-    #[arg(long, value_name = "N", default_value_t = 1000,
+    #[arg(long, value_name = "N", default_value_t = 400,
           value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     objects: u32,
     /// Views of a scene for --groupings
-    #[arg(long, value_name = "N", default_value_t = 6,
+    #[arg(long, value_name = "N", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     views: u32,
     /// Folder of models, some of which --groupings takes
