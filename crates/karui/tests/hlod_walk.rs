@@ -87,7 +87,8 @@ fn definition(scene: &Scene, view: &View, member: Member, list: &mut Vec<Item>) 
     let distance = bounds.distance(eye);
     match (member, group) {
         (Member::Group(id), Some(group)) => {
-            if distance > 0.0 && group.omega0() / distance < view.threshold {
+            let extent = group.omega0().max(view.size * bounds.diagonal());
+            if distance > 0.0 && extent / distance < view.threshold {
                 list.push(Item::Group(id));
             } else {
                 group
@@ -168,13 +169,14 @@ proptest! {
     fn a_frame_is_as_defined(
         count in 0u32..400,
         far in any::<bool>(),
+        size in prop::sample::select(vec![0.0, 0.3, 1.0]),
         views in prop::collection::vec((place(), place(), 0.001f64..0.5, any::<bool>()), 1..8),
     ) {
         let origin = if far { DVec3::splat(1e9) } else { DVec3::ZERO };
         let scene = Scene::new(forest(count, origin));
         let mut walk = Walk::default();
         for (eye, target, threshold, frustum) in views {
-            let view = View { threshold, frustum, origin, ..view(eye, target) };
+            let view = View { threshold, frustum, origin, size, ..view(eye, target) };
             let list = scene.frame(&mut walk, &view);
             prop_assert_eq!(sorted(&list), defined(&scene, &view));
             let fresh = scene.frame(&mut Walk::default(), &view);
@@ -188,9 +190,10 @@ proptest! {
         eye in place(),
         target in place(),
         limit in 0u64..20_000,
+        size in prop::sample::select(vec![0.0, 0.7]),
     ) {
         let scene = Scene::new(forest(300, DVec3::ZERO));
-        let limited = View { triangles: Some(limit), threshold: 0.001, ..view(eye, target) };
+        let limited = View { triangles: Some(limit), threshold: 0.001, size, ..view(eye, target) };
         let mut walk = Walk::default();
         let list = scene.frame(&mut walk, &limited);
         check_counts(&scene, &list);

@@ -45,6 +45,7 @@ impl Walk {
             tree,
             assets,
             distance: tree.omega.distance,
+            size: view.size,
         };
         self.list.restart(view.threshold);
         self.start_frame(tree, view);
@@ -119,6 +120,8 @@ struct Sight<'a> {
     assets: &'a Assets<'a>,
     /// L0.
     distance: f64,
+    /// [`View::size`].
+    size: f64,
 }
 
 impl Sight<'_> {
@@ -126,11 +129,13 @@ impl Sight<'_> {
         self.tree.roots.start as usize..self.tree.roots.end as usize
     }
 
-    /// Omega from this far (equation 11); infinite inside the box.
+    /// Omega from this far (equation 11), or the box's share of the view if that is to
+    /// count and is more; infinite inside the box.
     #[inline]
     fn omega(&self, group: &Slot, distance: f64) -> f64 {
         if distance > 0.0 {
-            f64::from(group.omega) * self.distance / distance
+            let by_members = f64::from(group.omega) * self.distance;
+            by_members.max(self.size * group.bounds.diagonal()) / distance
         } else {
             f64::INFINITY
         }

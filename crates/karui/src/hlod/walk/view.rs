@@ -21,6 +21,11 @@ pub struct View {
     /// `Omega_t`: a group of less is drawn as one; 0 or more. With the default
     /// weights, an angle in radians. Default: 0.01.
     pub threshold: f64,
+    /// Factor to the diagonal of a group's box, as long as which its Omega0 is taken to
+    /// be if that is less: then what is large on the screen is taken apart however
+    /// alike its members are. With the default weights, 1 counts the whole diagonal.
+    /// Default: 0, as published.
+    pub size: f64,
     /// Most triangles. The threshold rises as far as it must; only groups that the
     /// eye is inside of are taken apart at any cost. Default: no limit.
     pub triangles: Option<u64>,
@@ -40,6 +45,7 @@ impl View {
             aspect: 16.0 / 9.0,
             frustum: true,
             threshold: 0.01,
+            size: 0.0,
             triangles: None,
             hysteresis: 0.0,
         }
@@ -54,6 +60,12 @@ impl View {
                 self.aspect,
                 self.aspect > 0.0 && self.aspect.is_finite(),
                 "positive",
+            ),
+            (
+                "view.size",
+                self.size,
+                self.size >= 0.0 && self.size.is_finite(),
+                "finite, 0 or more",
             ),
             (
                 "view.threshold",
