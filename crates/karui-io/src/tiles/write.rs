@@ -318,9 +318,13 @@ impl<'a> Plan<'a> {
     }
 
     fn frame(&self, n: usize) -> Tileset {
+        // What is missing if not even the root is drawn: all of it. A client draws no
+        // tile of a tileset whose own error cannot be seen.
+        let extent = self.extents[n];
+        let all = (extent.max - extent.min).length();
         Tileset {
             asset: asset(),
-            geometric_error: self.errors[n],
+            geometric_error: self.errors[n].max(if all.is_finite() { all } else { 0.0 }),
             ..Tileset::default()
         }
     }

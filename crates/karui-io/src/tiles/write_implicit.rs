@@ -292,7 +292,8 @@ fn tileset(
     };
     Tileset {
         asset: asset(),
-        geometric_error: tree.error,
+        // What is missing if not even the root is drawn: all of it.
+        geometric_error: tree.error.max((tree.max - tree.min).length()),
         tiles: vec![tile],
         ..Tileset::default()
     }

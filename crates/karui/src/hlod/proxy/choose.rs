@@ -97,7 +97,7 @@ pub struct Candidate {
 /// # Errors
 /// Those of the kinds; [`Error::BadOption`] for options out of range.
 pub fn choose(group: &Group<'_>, options: &ChooseOptions<'_>) -> Result<Choice> {
-    check(options)?;
+    options.check()?;
     match group.is_empty() {
         true => Ok(Choice::default()),
         false => Pick::new(group, options).made(),
@@ -116,30 +116,30 @@ impl Candidate {
     }
 }
 
-fn check(options: &ChooseOptions<'_>) -> Result<()> {
-    let wrong = |option, found: f64, expected| Error::BadOption {
-        option,
-        found: found.to_string(),
-        expected,
-    };
-    if !(0.0..=1.0).contains(&options.tolerance) {
-        return Err(wrong("tolerance", options.tolerance, "0 to 1"));
-    }
-    if options.pixels == 0 {
-        return Err(wrong("pixels", 0.0, "1 or more"));
-    }
-    if options.views == 0 {
-        return Err(wrong("views", 0.0, "1 or more"));
-    }
-    if options.error.is_nan() || options.error < 0.0 {
-        return Err(wrong("error", options.error, "0 or more"));
-    }
-    match options
-        .errors
-        .iter()
-        .find(|e| !(e.is_finite() && **e >= 0.0))
-    {
-        Some(error) => Err(wrong("errors", *error, "0 or more, and finite")),
-        None => Ok(()),
+impl ChooseOptions<'_> {
+    /// # Errors
+    /// [`Error::BadOption`] for what is out of range.
+    pub(in crate::hlod) fn check(&self) -> Result<()> {
+        let wrong = |option, found: f64, expected| Error::BadOption {
+            option,
+            found: found.to_string(),
+            expected,
+        };
+        if !(0.0..=1.0).contains(&self.tolerance) {
+            return Err(wrong("tolerance", self.tolerance, "0 to 1"));
+        }
+        if self.pixels == 0 {
+            return Err(wrong("pixels", 0.0, "1 or more"));
+        }
+        if self.views == 0 {
+            return Err(wrong("views", 0.0, "1 or more"));
+        }
+        if self.error.is_nan() || self.error < 0.0 {
+            return Err(wrong("error", self.error, "0 or more"));
+        }
+        match self.errors.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
+            Some(error) => Err(wrong("errors", *error, "0 or more, and finite")),
+            None => Ok(()),
+        }
     }
 }

@@ -74,7 +74,7 @@ impl<'a> HlodOptions<'a> {
                 });
             }
         }
-        Ok(())
+        self.choose.check()
     }
 
     pub(super) fn tree_options(&self) -> TreeOptions<'a> {
