@@ -41,10 +41,10 @@ pub fn write(
     write_with_progress(folder, tree, contents, options, &Silent)
 }
 
-/// [`write`] with an observer (stage `contents`).
+/// [`write()`] with an observer (stage `contents`).
 ///
 /// # Errors
-/// As [`write`]; and [`karui::Error::Cancelled`] if the observer says so.
+/// As [`write()`]; and [`karui::Error::Cancelled`] if the observer says so.
 pub fn write_with_progress(
     folder: impl AsRef<Path>,
     tree: &TileTree,
