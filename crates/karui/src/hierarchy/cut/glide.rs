@@ -5,7 +5,6 @@
 use super::{Budget, Change, Cut};
 use crate::error::Result;
 use crate::hierarchy::criteria::Criteria;
-use crate::hierarchy::surface::NONE;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The vertices of one [`Cut`] that are on their way.
@@ -116,7 +115,6 @@ impl Cut<'_> {
         let sides = self.surface.sides(self.node(node).half_edge);
         let moves = self.surface.moves(sides);
         let second = (moves.left != moves.right).then_some(moves.right);
-        let first = (sides.left != NONE || sides.right != NONE).then_some(moves.left);
-        first.into_iter().chain(second)
+        std::iter::once(moves.left).chain(second)
     }
 }

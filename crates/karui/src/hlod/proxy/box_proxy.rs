@@ -3,13 +3,13 @@
 use super::distance::distance;
 use super::finish::Finish;
 use super::group::Group;
-use super::join::{ids, ids_of};
+use super::join::{ids_of, make_one};
 use super::outfit::Outfit;
 use super::proxy::{NO_OBJECT, Proxy, ProxyKind};
 use super::silhouette::{Sitter, Window};
 use crate::error::Result;
 use crate::geom::{Aabb, Vec2, Vec3, Vec4};
-use crate::mesh::{AlphaMode, MaterialRange, TriMesh, shapes};
+use crate::mesh::{AlphaMode, TriMesh, shapes};
 use crate::render::{Picture, linear_of_codes};
 
 /// Side of the pictures that colours are taken from, texels.
@@ -86,13 +86,7 @@ fn box_mesh(group: &Group<'_>) -> TriMesh {
         *p = Vec3::select(p.cmpgt(Vec3::ZERO), bounds.max, bounds.min);
     }
     mesh.attributes.uvs.clear();
-    let id = only_object(group);
-    mesh.attributes.custom = vec![ids(vec![id; mesh.positions.len()])];
-    mesh.ranges = vec![MaterialRange {
-        count: mesh.triangles.len() as u32,
-        material: Some(0),
-        ..MaterialRange::default()
-    }];
+    make_one(&mut mesh, only_object(group));
     mesh
 }
 

@@ -5,7 +5,7 @@ use super::budget::{LONGEST, check};
 use super::dilate::{Texels, dilate};
 use super::finish::Finish;
 use super::group::Group;
-use super::join::ids;
+use super::join::make_one;
 use super::normal_map::NormalMap;
 use super::outfit::Outfit;
 use super::pack::{Packed, pack};
@@ -13,7 +13,7 @@ use super::proxy::{Proxy, ProxyKind};
 use super::silhouette::{Sitter, Window};
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, DVec3, Vec2, Vec3, sin_cos};
-use crate::mesh::{AlphaMode, MaterialRange, Texture, TextureRef, TriMesh, Wrap};
+use crate::mesh::{AlphaMode, Texture, TextureRef, TriMesh, Wrap};
 use crate::render::Picture;
 
 /// How pictures stand for a group.
@@ -295,12 +295,7 @@ impl Atlas {
         }
         mesh.attributes.normals = Some(normals);
         mesh.attributes.uvs = vec![uvs];
-        mesh.attributes.custom = vec![ids(vec![id; mesh.positions.len()])];
-        mesh.ranges = vec![MaterialRange {
-            count: mesh.triangles.len() as u32,
-            material: Some(0),
-            ..MaterialRange::default()
-        }];
+        make_one(&mut mesh, id);
         mesh
     }
 }

@@ -227,6 +227,16 @@ impl Whole {
 }
 
 /// The attribute that tells objects apart.
+/// Makes all of a mesh one object, of the first material.
+pub(super) fn make_one(mesh: &mut TriMesh, object: u32) {
+    mesh.attributes.custom = vec![ids(vec![object; mesh.positions.len()])];
+    mesh.ranges = vec![MaterialRange {
+        count: mesh.triangles.len() as u32,
+        material: Some(0),
+        ..MaterialRange::default()
+    }];
+}
+
 pub(super) fn ids(ids: Vec<u32>) -> Attribute {
     Attribute {
         name: FEATURE_ID.into(),

@@ -6,12 +6,12 @@ use std::collections::VecDeque;
 
 /// Tiles of all groups, parents first, none of them filled.
 pub(super) fn arrange(hlod: &Hlod<'_>, most: usize) -> Vec<Tile> {
-    let mut below = Below::new(hlod, most);
+    let below = Below::new(hlod, most);
     let roots: Vec<Member> = hlod.tree.roots().collect();
     let mut tiles = Vec::new();
     let mut open = VecDeque::from([(None, roots)]);
     while let Some((parent, members)) = open.pop_front() {
-        if below.triangles(&members) <= most || below.is_one_object(&members) {
+        if below.triangles(&members) <= most || matches!(members[..], [Member::Object(_)]) {
             below.push_objects(&mut tiles, parent, &members);
             continue;
         }
@@ -60,10 +60,6 @@ impl<'a> Below<'a> {
 
     fn triangles(&self, members: &[Member]) -> usize {
         members.iter().map(|&m| self.of(m)).sum()
-    }
-
-    fn is_one_object(&self, members: &[Member]) -> bool {
-        matches!(members, [Member::Object(_)])
     }
 
     fn bounds(&self, members: &[Member]) -> Bounds {
@@ -116,17 +112,20 @@ impl<'a> Below<'a> {
         }
     }
 
+    /// The objects of all members, in order.
+    fn objects(&self, members: &[Member]) -> Vec<u32> {
+        let tree = &self.hlod.tree;
+        let of = |&member: &Member| match member {
+            Member::Object(id) => vec![id],
+            Member::Group(id) => tree.group(id).map_or(Vec::new(), |g| g.objects().collect()),
+        };
+        members.iter().flat_map(of).collect()
+    }
+
     /// A tile of objects, below one of their coarsest levels if that has at most half of
     /// the triangles.
-    fn push_objects(&mut self, tiles: &mut Vec<Tile>, parent: Option<u32>, members: &[Member]) {
-        let tree = &self.hlod.tree;
-        let objects: Vec<u32> = members
-            .iter()
-            .flat_map(|&member| match member {
-                Member::Object(id) => vec![id],
-                Member::Group(id) => tree.group(id).map_or(Vec::new(), |g| g.objects().collect()),
-            })
-            .collect();
+    fn push_objects(&self, tiles: &mut Vec<Tile>, parent: Option<u32>, members: &[Member]) {
+        let objects = self.objects(members);
         let bounds = self.bounds(members);
         let own = self.triangles(members);
         let (coarse, error) = self.coarsest(&objects);

@@ -58,8 +58,7 @@ impl Hlod<'_> {
                     ids.push(object);
                 }
                 None => {
-                    let mut node = node(mesh, Placements::default());
-                    node.placements = Some(Arc::new(single(object)));
+                    let mut node = node(mesh, single(object));
                     node.transform = Transform::Matrix(matrix.as_mat4());
                     push(scene, node);
                 }
@@ -132,7 +131,6 @@ fn moved(proxy: &Proxy, origin: DVec3) -> Scene {
     let by = (proxy.origin - origin).as_vec3();
     for &root in &scene.roots.clone() {
         let node = &mut scene.nodes[root as usize];
-        let matrix = Mat4::from_translation(by) * node.transform.matrix();
         node.transform = match node.transform {
             Transform::Trs {
                 translation,
@@ -143,7 +141,7 @@ fn moved(proxy: &Proxy, origin: DVec3) -> Scene {
                 rotation,
                 scale,
             },
-            Transform::Matrix(_) => Transform::Matrix(matrix),
+            Transform::Matrix(matrix) => Transform::Matrix(Mat4::from_translation(by) * matrix),
         };
     }
     scene
