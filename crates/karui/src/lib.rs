@@ -11,6 +11,7 @@ pub mod hlod;
 pub mod lod;
 pub mod mesh;
 pub mod metrics;
+pub mod outofcore;
 pub mod progress;
 pub mod render;
 pub mod saliency;
