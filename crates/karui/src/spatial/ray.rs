@@ -54,11 +54,24 @@ fn push_crossed(node: &Node, origin: Vec3, inverse: Vec3, stack: &mut SmallVec<[
         leave = leave.min(a.max(b) * (1.0 + 4.0 * f32::EPSILON));
     }
     let mut crossed = enter.cmple(leave).bitmask();
+    let first = stack.len();
+    let mut nearness = [0.0; 4];
     while crossed != 0 {
-        let child = node.child[crossed.trailing_zeros() as usize];
+        let lane = crossed.trailing_zeros() as usize;
         crossed &= crossed - 1;
-        if child != NONE {
-            stack.push(child);
+        if node.child[lane] != NONE {
+            nearness[stack.len() - first] = enter[lane];
+            stack.push(node.child[lane]);
+        }
+    }
+    // What is near is more often in the way: it is looked into first.
+    let pushed = &mut stack[first..];
+    for end in 1..pushed.len() {
+        let mut at = end;
+        while at > 0 && nearness[at - 1] < nearness[at] {
+            nearness.swap(at - 1, at);
+            pushed.swap(at - 1, at);
+            at -= 1;
         }
     }
 }

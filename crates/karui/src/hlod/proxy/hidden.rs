@@ -12,7 +12,7 @@ const DIRECTIONS: u32 = 1024;
 /// Rays from every point of a triangle at least.
 const RAYS_A_POINT: usize = 4;
 /// Rays from a part at least.
-const RAYS_A_PART: usize = 8192;
+const RAYS_A_PART: usize = 2048;
 /// Triangles from which on a part sends rays from their middles alone.
 const MANY: usize = 2048;
 /// How far points lie inside their triangle: a share of the way to its middle.
@@ -23,7 +23,7 @@ const NEAR: f64 = 1e-6;
 /// Triangles of connected parts from which no ray gets out of the group.
 ///
 /// Rays start in the middle of every triangle and, unless there are many, near its
-/// corners, on both of its sides, at least 8192 a part. Only what is opaque stops them, and what is
+/// corners, on both of its sides, at least 2048 a part. Only what is opaque stops them, and what is
 /// one-sided only where it would stop the eye. A part that is seen through a hole so
 /// small that none of the rays finds it is taken as hidden.
 pub(super) fn hidden(group: &Group<'_>) -> Result<Vec<bool>> {

@@ -2,6 +2,7 @@
 
 use super::budget::Budget;
 use super::distance::distance;
+use super::floor::is_beyond_reach;
 use super::group::Group;
 use super::hidden::hidden;
 use super::plan::{Plan, Wardrobe};
@@ -161,11 +162,10 @@ fn levels(
     most: usize,
     options: &MergedOptions<'_>,
 ) -> Result<Vec<TriMesh>> {
-    let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
-    let levels = simplify_chain(source, &stops, &simplify_options(options))?;
-    let mut meshes: Vec<TriMesh> = levels.into_iter().map(|level| level.mesh).collect();
-    meshes.retain(|mesh| mesh.triangles.len() <= most);
-    meshes.dedup_by_key(|mesh| mesh.triangles.len());
+    let mut meshes = match is_beyond_reach(source, most, options)? {
+        true => Vec::new(),
+        false => simplified(source, group, stops, most, options)?,
+    };
     if meshes.is_empty() {
         let how = ClusterOptions {
             stop: Stop::triangles(most),
@@ -175,6 +175,22 @@ fn levels(
         single(&mut clustered);
         meshes.push(clustered);
     }
+    Ok(meshes)
+}
+
+/// Levels that differ, of no more than `most` triangles, coarsest last.
+fn simplified(
+    source: &TriMesh,
+    group: &Group<'_>,
+    stops: &[Stop],
+    most: usize,
+    options: &MergedOptions<'_>,
+) -> Result<Vec<TriMesh>> {
+    let stops: Vec<Stop> = stops.iter().map(|stop| of_all(group, stop)).collect();
+    let levels = simplify_chain(source, &stops, &simplify_options(options))?;
+    let mut meshes: Vec<TriMesh> = levels.into_iter().map(|level| level.mesh).collect();
+    meshes.retain(|mesh| mesh.triangles.len() <= most);
+    meshes.dedup_by_key(|mesh| mesh.triangles.len());
     Ok(meshes)
 }
 
@@ -204,7 +220,7 @@ fn of_all(group: &Group<'_>, stop: &Stop) -> Stop {
     }
 }
 
-fn simplify_options<'a>(options: &MergedOptions<'a>) -> SimplifyOptions<'a> {
+pub(super) fn simplify_options<'a>(options: &MergedOptions<'a>) -> SimplifyOptions<'a> {
     SimplifyOptions {
         quality: options.quality,
         ..SimplifyOptions::default()

@@ -42,6 +42,7 @@ mod choose;
 mod dilate;
 mod distance;
 mod finish;
+mod floor;
 mod group;
 mod hidden;
 mod impostor;

@@ -69,6 +69,9 @@ const EASE_FROM: usize = 5;
 const EASE_PHASE: f64 = 0.6;
 /// ...or when collapses have become so many times as dear.
 const EASE_PRICE: f32 = 4.0;
+/// A phase that takes less than one in so many triangles is idle: what is left to
+/// collapse then is not worth a new cut.
+const IDLE: usize = 512;
 
 /// Triangles, as a multiple of the target, from which on every collapse is
 /// checked against the input. What is left of what came before is mended.
@@ -157,7 +160,7 @@ fn collapse<'a>(
         if level.triangle.len() <= target.triangles || idle == 2 {
             break;
         }
-        let before = run.collapses;
+        let (before, few) = (run.collapses, level.triangle.len() / IDLE);
         run.eases = rules.ease && level.triangle.len() * EASE_FROM <= level.input;
         let cut = Cut::of(&level, phase);
         level = if cut.blocks.len() > stream::FEW && run.halfway(level.triangle.len()).is_some() {
@@ -168,7 +171,10 @@ fn collapse<'a>(
             level.join(&blocks)
         };
         // Of two cuts one has every point inside a block.
-        idle = if run.collapses > before { 0 } else { idle + 1 };
+        idle = match run.collapses - before > few {
+            true => 0,
+            false => idle + 1,
+        };
         if run.eases && run.ease(&mut level, &rules) {
             idle = 0;
         }
