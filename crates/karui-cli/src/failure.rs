@@ -87,13 +87,25 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if error.is::<PipeClosed>() {
         return ExitCode::SUCCESS;
     }
-    let mut text = format!("error: {error:#}\n");
+    let mut text = format!("error: {}\n", message_of(error));
     if let Some(hint) = hint_of(error) {
         text += &format!("hint: {hint}\n");
     }
     // Nobody is left to tell if this fails.
     let _ = io::stderr().write_all(text.as_bytes());
     ExitCode::from(code_of(error))
+}
+
+/// What went wrong and why, without causes whose words have been said.
+fn message_of(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |said, cause| {
+        let cause = cause.to_string();
+        match said.as_str() {
+            "" => cause,
+            known if known.contains(&cause) => said,
+            known => format!("{known}: {cause}"),
+        }
+    })
 }
 
 /// The exit code an error stands for.
@@ -118,4 +130,18 @@ pub fn hint_of(error: &anyhow::Error) -> Option<String> {
         let io = cause.downcast_ref::<karui_io::Error>()?;
         io.hint().map(str::to_owned)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_said_twice() {
+        let cause = io::Error::other("the folder is full");
+        let error = karui_io::Error::file("a.glb", karui_io::ErrorKind::Io(cause));
+        assert_eq!(message_of(&error.into()), "a.glb: the folder is full");
+        let error = anyhow::anyhow!("deep").context("high");
+        assert_eq!(message_of(&error), "high: deep");
+    }
 }

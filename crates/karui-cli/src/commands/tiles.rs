@@ -18,8 +18,8 @@ use std::path::PathBuf;
 ///
 /// Objects that look like one thing become groups, groups become tiles. A tile shows its objects,
 /// as instances of their meshes; from farther off their coarsest levels; then one stand-in for
-/// all that is in it: a box, pictures on crossed cards, or the objects merged and simplified,
-/// whichever is cheapest and looks the same. Geometric errors are measured, in metres, taking the
+/// all that is in it: the first of a box, pictures on crossed cards, and the objects merged and
+/// simplified that looks the same. Geometric errors are measured, in metres, taking the
 /// scene's unit as one. Every tile knows its objects, stand-ins too.
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -33,7 +33,7 @@ pub fn write_hlod(
         parent: tile.parent,
         min: tile.bounds.min,
         max: tile.bounds.max,
-        error: tile.error,
+        error: tile.refine,
         refine: Refine::Replace,
     };
     let tree = TileTree {

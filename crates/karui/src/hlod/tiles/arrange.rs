@@ -20,6 +20,7 @@ pub(super) fn arrange(hlod: &Hlod<'_>, most: usize) -> Vec<Tile> {
             parent,
             bounds: below.bounds(&members),
             error: f64::INFINITY,
+            refine: f64::INFINITY,
             triangles: 0,
             content: TileContent::Nothing,
         });
@@ -135,6 +136,7 @@ impl<'a> Below<'a> {
                 parent,
                 bounds,
                 error,
+                refine: error,
                 triangles: coarse,
                 content: TileContent::Coarse(objects.clone()),
             });
@@ -144,6 +146,7 @@ impl<'a> Below<'a> {
             parent,
             bounds,
             error: 0.0,
+            refine: 0.0,
             triangles: own,
             content: TileContent::Objects(objects),
         });

@@ -33,12 +33,29 @@ pub(super) fn fill(
     let made: Vec<Option<Proxy>> = filler.made.into_iter().map(take).collect();
     for (t, proxy) in made.into_iter().enumerate().rev() {
         if matches!(hlod.tiles[t].content, TileContent::Nothing) {
-            let below = children[t].iter().map(|&c| hlod.tiles[c as usize].error);
-            let least = below.fold(0.0, f64::max);
-            hlod.tiles[t].take(proxy, least);
+            let below = children[t].iter().map(|&c| &hlod.tiles[c as usize]);
+            let least = below.fold((0.0, 0.0), |(error, refine), tile| {
+                (tile.error.max(error), tile.refine.max(refine))
+            });
+            let unseen = unseen(&hlod.tiles[t], &options.choose);
+            hlod.tiles[t].take(proxy, least, unseen);
         }
     }
     Ok(())
+}
+
+/// Error on the screen, pixels, at which clients go on to the tiles below where there
+/// is no bound on errors: the default of clients of 3D Tiles.
+const REFINED: f64 = 16.0;
+
+/// The error that is as long on the screen as a client allows when the tile covers as
+/// much of it as stand-ins were looked at with.
+fn unseen(tile: &Tile, options: &ChooseOptions<'_>) -> f64 {
+    let allowed = match options.error.is_finite() {
+        true => options.error,
+        false => REFINED,
+    };
+    allowed * tile.bounds.diagonal() / f64::from(options.pixels)
 }
 
 fn take(made: OnceLock<Option<Proxy>>) -> Option<Proxy> {
@@ -57,16 +74,21 @@ fn children(tiles: &[Tile]) -> Vec<Vec<u32>> {
 }
 
 impl Tile {
-    /// `least` is the largest error below.
-    fn take(&mut self, proxy: Option<Proxy>, least: f64) {
+    /// `least` are the largest errors below, `unseen` the least that a client is told
+    /// of a stand-in.
+    fn take(&mut self, proxy: Option<Proxy>, least: (f64, f64), unseen: f64) {
         match proxy {
             Some(proxy) => {
-                self.error = proxy.error.max(least);
+                self.error = proxy.error.max(least.0);
+                self.refine = self.error.max(least.1).max(unseen);
                 self.triangles = proxy.triangles();
                 self.content = TileContent::Proxy(Box::new(proxy));
             }
             // As if nothing stood for what has this size.
-            None => self.error = self.bounds.diagonal().max(least),
+            None => {
+                self.error = self.bounds.diagonal().max(least.0);
+                self.refine = self.error.max(least.1);
+            }
         }
     }
 }

@@ -47,6 +47,12 @@ pub struct Tile {
     /// Largest distance between what is drawn and the objects' surfaces, world units;
     /// never less than that of a tile below, 0 for the objects themselves.
     pub error: f64,
+    /// What a client is to be told as error, world units: [`Tile::error`], but for a
+    /// stand-in at least what is [`ChooseOptions::error`](super::proxy::ChooseOptions)
+    /// pixels long when its group covers as many as it was looked at with. Nearer its
+    /// surface may still be right, but nobody knows how it looks. Never less than that
+    /// of a tile below.
+    pub refine: f64,
     /// Triangles drawn.
     pub triangles: usize,
     /// What is drawn.

@@ -68,6 +68,12 @@ fn errors_and_boxes_hold_those_below_and_triangles_become_fewer() {
         assert!(parent < t);
         below[parent] += tile.triangles;
         assert!(tiles[parent].error >= tile.error);
+        assert!(tiles[parent].refine >= tile.refine);
+        assert!(tile.refine >= tile.error);
+        if matches!(tile.content, TileContent::Proxy(_)) {
+            // It was looked at with 256 pixels, where clients allow errors of 16.
+            assert!(tile.refine >= tile.bounds.diagonal() * (16.0 / 256.0));
+        }
         assert!(tiles[parent].bounds.contains(&tile.bounds));
     }
     for (tile, below) in tiles.iter().zip(below) {
