@@ -22,6 +22,8 @@
 //!
 //! [`tiles`] reads, checks and writes 3D Tiles.
 //!
+//! [`slices`] reads models that are larger than memory.
+//!
 //! [`decode_image`] and [`encode_png`] are for pictures.
 //!
 //! Readers never panic and reserve no memory on the word of a header; every
@@ -40,6 +42,7 @@ mod obj;
 mod off;
 mod ply;
 mod read;
+pub mod slices;
 mod source;
 mod stl;
 mod text;

@@ -9,21 +9,21 @@ use crate::{
 use karui::mesh::AttributeValues;
 
 /// All rows of an element.
-pub(super) struct Table {
+pub(crate) struct Table {
     pub columns: Vec<Column>,
     pub rows: usize,
     origin: Origin,
 }
 
 /// All values of a property.
-pub(super) struct Column {
+pub(crate) struct Column {
     pub property: Property,
     pub values: AttributeValues,
     pub lengths: Lengths,
 }
 
 /// How many values a row has.
-pub(super) enum Lengths {
+pub(crate) enum Lengths {
     /// The same in every row; 1 for a scalar.
     Fixed(usize),
     Varying(Vec<u32>),
@@ -229,7 +229,7 @@ fn row_offset(columns: &[Column], row: usize) -> usize {
 }
 
 /// Reads the rows of a text body, one a line.
-pub(super) fn read_ascii(
+pub(crate) fn read_ascii(
     element: &Element,
     lines: &mut Lines<'_>,
     warnings: &mut Warnings,
@@ -305,7 +305,7 @@ fn whole<T: TryFrom<i64>>(word: &[u8]) -> Option<T> {
 }
 
 /// A position in a binary body.
-pub(super) struct Body<'a> {
+pub(crate) struct Body<'a> {
     pub bytes: &'a [u8],
     pub at: usize,
     pub encoding: Encoding,
@@ -322,7 +322,7 @@ impl<'a> Body<'a> {
 }
 
 /// Reads the rows of a binary body.
-pub(super) fn read_binary(element: &Element, body: &mut Body<'_>) -> Result<Table> {
+pub(crate) fn read_binary(element: &Element, body: &mut Body<'_>) -> Result<Table> {
     let left = body.rest().len();
     if element.count.saturating_mul(element.least_stride()) > left {
         return fail(Place::Byte(body.at as u64), too_short(element, left));
@@ -377,7 +377,7 @@ fn at_least_one(n: usize) -> usize {
 }
 
 /// The length at the head of `bytes`; `None` if cut off or negative.
-fn list_length(scalar: Scalar, bytes: &[u8], big: bool) -> Option<usize> {
+pub(crate) fn list_length(scalar: Scalar, bytes: &[u8], big: bool) -> Option<usize> {
     let raw = bytes.get(..scalar.size())?;
     let mut padded = [0; 8];
     if big {

@@ -76,7 +76,11 @@ pub(super) fn add_strips(
 }
 
 /// The list of corners, every index of which exists.
-fn take_corners(table: &mut Table, vertices: usize, allow_restart: bool) -> Result<Column> {
+pub(crate) fn take_corners(
+    table: &mut Table,
+    vertices: usize,
+    allow_restart: bool,
+) -> Result<Column> {
     let is_list = |n: &&&str| table.get(n).is_some_and(|c| c.property.list.is_some());
     let Some(name) = CORNERS.iter().find(is_list) else {
         let kind = ErrorKind::syntax("a list `vertex_indices`", "none");
@@ -130,7 +134,7 @@ fn row_of(lengths: &Lengths, at: usize) -> usize {
 }
 
 /// Checked indices; -1 becomes `u32::MAX`.
-fn to_u32(values: AttributeValues) -> Vec<u32> {
+pub(crate) fn to_u32(values: AttributeValues) -> Vec<u32> {
     if let AttributeValues::U32(values) = values {
         return values;
     }

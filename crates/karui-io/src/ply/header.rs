@@ -11,7 +11,7 @@ const MOST: usize = 10_000;
 
 /// How the body is encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     Ascii,
     LittleEndian,
     BigEndian,
@@ -19,7 +19,7 @@ pub(super) enum Encoding {
 
 /// Type of a scalar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(crate) enum Scalar {
     I8,
     U8,
     I16,
@@ -62,7 +62,7 @@ impl Scalar {
 
 /// A property of an element.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Property {
+pub(crate) struct Property {
     pub name: String,
     /// Type of the value, or of the items of a list.
     pub scalar: Scalar,
@@ -79,7 +79,7 @@ impl Property {
 
 /// A table of the body.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Element {
+pub(crate) struct Element {
     pub name: String,
     pub count: usize,
     pub properties: Vec<Property>,
@@ -94,13 +94,13 @@ impl Element {
 
 /// What the header says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Header {
+pub(crate) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
 }
 
 /// Reads the header; `lines` is left at the first line of the body.
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Header> {
+pub(crate) fn read(lines: &mut Lines<'_>) -> Result<Header> {
     if lines.next().map(<[u8]>::trim_ascii) != Some(b"ply") {
         return Err(lines.fail(ErrorKind::syntax("`ply`", "something else")));
     }
@@ -213,7 +213,7 @@ fn property(words: &mut Words<'_>, lines: &Lines<'_>) -> Result<Property> {
 }
 
 /// Not enough bytes for what the header promises.
-pub(super) fn too_short(element: &Element, found: usize) -> ErrorKind {
+pub(crate) fn too_short(element: &Element, found: usize) -> ErrorKind {
     let expected = format!("{} elements `{}`", element.count, element.name);
     ErrorKind::truncated(expected, format!("{found} bytes"))
 }

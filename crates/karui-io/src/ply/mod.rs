@@ -7,11 +7,11 @@
 //! become one attribute of several components, and so do lists of one length.
 //! The second set of texture coordinates and colours has the suffix 1.
 
-mod columns;
-mod faces;
-mod header;
+pub(crate) mod columns;
+pub(crate) mod faces;
+pub(crate) mod header;
 mod read;
-mod vertices;
+pub(crate) mod vertices;
 mod write;
 
 #[cfg(test)]

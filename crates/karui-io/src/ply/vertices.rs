@@ -34,7 +34,7 @@ const COLOR_NAMES: [[&str; 4]; 3] = [
 pub(crate) const SETS: usize = 8;
 
 /// Positions and attributes.
-pub(super) fn build(
+pub(crate) fn build(
     mut table: Table,
     warn: &mut dyn FnMut(String),
 ) -> Result<(Vec<Vec3>, Attributes)> {
