@@ -40,4 +40,9 @@ mod _karui {
     use super::scene::{Scene, read, write};
     #[pymodule_export]
     use super::simplify::{Simplified, simplify};
+
+    /// Version of the package; workers of a cluster must have the same.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "that is its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
 }

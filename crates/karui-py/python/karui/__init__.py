@@ -19,6 +19,7 @@ from ._karui import (
     OneWay,
     Scene,
     Simplified,
+    __version__,
     lod,
     measure,
     read,

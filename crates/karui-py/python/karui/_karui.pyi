@@ -26,6 +26,8 @@ __all__ = [
     "write",
 ]
 
+__version__: str
+
 _Floats = NDArray[np.float32]
 _Point = Sequence[float]
 _Path = Union[str, PathLike[str]]
