@@ -35,7 +35,7 @@ pub fn order(points: &[Vec3]) -> Vec<u32> {
 }
 
 /// Puts two zero bits before every one of the lower 21 bits.
-fn spread(mut x: u64) -> u64 {
+pub(crate) fn spread(mut x: u64) -> u64 {
     x = (x | x << 32) & 0x001f_0000_0000_ffff;
     x = (x | x << 16) & 0x001f_0000_ff00_00ff;
     x = (x | x << 8) & 0x100f_00f0_0f00_f00f;

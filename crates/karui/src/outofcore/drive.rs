@@ -1,0 +1,197 @@
+//! Runs all tasks in this process.
+
+use super::manifest::{Manifest, RowResult};
+use super::next::{Next, manifests, next};
+use super::task::{run_task, verify_task};
+use super::{Error, Plan, Result, Source, Store};
+use crate::progress::{Progress, Silent, step};
+use std::{
+    fmt,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    thread,
+};
+
+/// Options of [`run`].
+#[derive(Clone, Copy)]
+pub struct RunOptions<'a> {
+    /// Tasks at the same time, at least 1; what comes out does not depend on it. Default: 1.
+    pub workers: usize,
+    /// Told about the whole work, and asked whether to go on.
+    pub progress: &'a dyn Progress,
+}
+
+impl Default for RunOptions<'_> {
+    fn default() -> Self {
+        Self {
+            workers: 1,
+            progress: &Silent,
+        }
+    }
+}
+
+impl fmt::Debug for RunOptions<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RunOptions")
+            .field("workers", &self.workers)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Does all that is still to be done, and returns the last manifest, whose blocks are the
+/// result. Tasks whose output is there and whole are not run again; damaged blocks are made
+/// anew.
+///
+/// # Errors
+/// As [`next`] and [`run_task`]; [`crate::Error::Cancelled`]. All finished blocks stay: called
+/// again, it goes on from there.
+pub fn run(
+    store: &dyn Store,
+    source: &dyn Source,
+    plan: &Plan,
+    options: &RunOptions<'_>,
+) -> Result<Manifest> {
+    loop {
+        let manifest = match mended(store, source, || next(store, plan))? {
+            Next::Run(manifest) => manifest,
+            Next::Done(manifest) => return Ok(manifest),
+        };
+        let results = rows(store, source, &manifest, options)?;
+        manifest.commit(store, results)?;
+    }
+}
+
+/// Runs the rows of one phase that have not been run.
+fn rows(
+    store: &dyn Store,
+    source: &dyn Source,
+    manifest: &Manifest,
+    options: &RunOptions<'_>,
+) -> Result<Vec<RowResult>> {
+    let workers = options.workers.clamp(1, manifest.rows.len().max(1));
+    let (taken, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let stopped = AtomicBool::new(false);
+    let progress = options.progress;
+    let report = |done: usize| {
+        let share = done as f32 / manifest.rows.len().max(1) as f32;
+        step(progress, manifest.phase.kind.name(), share)
+    };
+    report(0)?;
+    let outcomes: Mutex<Vec<Result<RowResult>>> = Mutex::default();
+    let mutex = Mutex::new(());
+    let work = || {
+        while !stopped.load(Ordering::Relaxed) {
+            let row = taken.fetch_add(1, Ordering::Relaxed);
+            if row >= manifest.rows.len() {
+                break;
+            }
+            let outcome = row_done(store, source, manifest, row as u64, progress);
+            let failed = outcome.is_err();
+            locked(&outcomes).push(outcome);
+            // One at a time, so that what is reported grows.
+            let _turn = locked(&mutex);
+            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if failed || report(count).is_err() {
+                stopped.store(true, Ordering::Relaxed);
+            }
+        }
+    };
+    thread::scope(|scope| {
+        (0..workers).for_each(|_| drop(scope.spawn(work)));
+    });
+    report(manifest.rows.len())?;
+    outcomes
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner)
+        .into_iter()
+        .collect()
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn row_done(
+    store: &dyn Store,
+    source: &dyn Source,
+    manifest: &Manifest,
+    row: u64,
+    progress: &dyn Progress,
+) -> Result<RowResult> {
+    match verify_task(store, manifest, row) {
+        Err(error) if error.lost().is_some() => {}
+        outcome => return outcome,
+    }
+    mended(store, source, || {
+        run_task(store, source, manifest, row, progress)
+    })
+}
+
+/// Times that lost blocks are made anew before it is given up.
+const TRIES: usize = 100;
+
+/// Does something; as long as that fails for a lost or damaged block, makes that anew.
+///
+/// # Errors
+/// What is no matter of blocks, or does not go away.
+pub(super) fn mended<T>(
+    store: &dyn Store,
+    source: &dyn Source,
+    what: impl Fn() -> Result<T>,
+) -> Result<T> {
+    let mut outcome = what();
+    for _ in 0..TRIES {
+        let lost = match &outcome {
+            Err(error) => error.lost().map(str::to_owned),
+            Ok(_) => None,
+        };
+        let Some(name) = lost else { break };
+        if !rebuild(store, source, &name)? {
+            break;
+        }
+        outcome = what();
+    }
+    outcome
+}
+
+/// Makes an output anew, and what that needs; whether it is one of a known manifest.
+///
+/// # Errors
+/// As [`run_task`].
+pub fn rebuild(store: &dyn Store, source: &dyn Source, name: &str) -> Result<bool> {
+    for manifest in manifests(store)? {
+        let maker = manifest.rows.iter().find(|row| row.output == name);
+        if let Some(row) = maker {
+            let make = || run_task(store, source, &manifest, row.id, &Silent);
+            // Inputs come from phases before, so that this ends.
+            let make: &dyn Fn() -> Result<RowResult> = &make;
+            return mended(store, source, make).map(|_| true);
+        }
+    }
+    Ok(false)
+}
+
+/// Checks all outputs of closed phases, and of the open one those that are there. Returns
+/// the names of those that are missing, damaged or not what they were.
+///
+/// # Errors
+/// As [`next`]; what is no matter of blocks.
+pub fn verify(store: &dyn Store) -> Result<Vec<String>> {
+    let mut lost = Vec::new();
+    for manifest in manifests(store)? {
+        let results = manifest.results(store)?;
+        for row in &manifest.rows {
+            let outcome = verify_task(store, &manifest, row.id);
+            let expected = results.as_ref().map(|r| &r[row.id as usize]);
+            match (outcome, expected) {
+                (Ok(found), Some(expected)) if found != *expected => lost.push(row.output.clone()),
+                (Err(Error::Missing { .. }), None) | (Ok(_), _) => {}
+                (Err(error), _) if error.lost().is_some() => lost.push(row.output.clone()),
+                (Err(error), _) => return Err(error),
+            }
+        }
+    }
+    Ok(lost)
+}
