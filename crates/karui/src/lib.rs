@@ -12,6 +12,7 @@ pub mod lod;
 pub mod mesh;
 pub mod metrics;
 pub mod outofcore;
+pub mod partition;
 pub mod progress;
 pub mod render;
 pub mod saliency;
