@@ -12,6 +12,7 @@ mod hierarchy;
 mod lod;
 mod measure;
 mod mesh;
+mod plan;
 mod progress;
 mod render;
 mod saliency;
@@ -32,6 +33,8 @@ mod _karui {
     use super::measure::{Distance, OneWay, measure, vertex_distances};
     #[pymodule_export]
     use super::mesh::Mesh;
+    #[pymodule_export]
+    use super::plan::Plan;
     #[pymodule_export]
     use super::render::render;
     #[pymodule_export]

@@ -1,4 +1,5 @@
 from os import PathLike
+from pathlib import Path
 from typing import Any, Callable, Literal, Protocol, Sequence, Union, final
 
 import numpy as np
@@ -13,6 +14,7 @@ __all__ = [
     "Level",
     "Mesh",
     "OneWay",
+    "Plan",
     "Scene",
     "Simplified",
     "lod",
@@ -300,3 +302,32 @@ class Change:
     def collapses(self) -> int: ...
     @property
     def floor(self) -> float: ...
+
+@final
+class Plan:
+    @staticmethod
+    def create(
+        store: _Path,
+        model: _Path,
+        *,
+        ratio: float | None = None,
+        triangles: int | None = None,
+        error: float | None = None,
+        memory_limit: int | None = None,
+        block_triangles: int | None = None,
+        scheme: Literal["cells", "sweep"] = "cells",
+    ) -> Plan: ...
+    @classmethod
+    def open(cls, store: _Path) -> Plan: ...
+    @property
+    def store(self) -> Path: ...
+    @property
+    def model(self) -> str: ...
+    def run(
+        self, *, memory_limit: int | None = None, progress: _Progress | None = None
+    ) -> None: ...
+    def verify(self) -> list[str]: ...
+    def next(self) -> tuple[str, int] | None: ...
+    def run_task(self, phase: str, row: int) -> dict[str, Any]: ...
+    def verify_task(self, phase: str, row: int) -> dict[str, Any] | None: ...
+    def commit(self, phase: str, results: Sequence[dict[str, Any]]) -> None: ...

@@ -38,10 +38,10 @@ class Work(Protocol):
     """What `run` needs of a plan; `karui.Plan` has it."""
 
     #: Where everything is kept: a path that is the same on every node.
-    store: str
+    store: str | os.PathLike[str]
 
     @classmethod
-    def open(cls, store: str) -> Work:
+    def open(cls, store: str | os.PathLike[str]) -> Work:
         """The plan of a store; called once in every worker process."""
 
     def next(self) -> tuple[str, int] | None:
@@ -168,12 +168,12 @@ def _ray() -> Any:
 
 
 @functools.lru_cache(maxsize=1)
-def _opened(kind: type[Work], store: str, _run: str) -> Any:
+def _opened(kind: type[Work], store: str | os.PathLike[str], _run: str) -> Any:
     """The plan, opened once a process and run."""
     return kind.open(store)
 
 
-def _do(kind: type[Work], store: str, run: str, phase: str, row: int) -> dict[str, Any]:
+def _do(kind: type[Work], store: str | os.PathLike[str], run: str, phase: str, row: int) -> dict[str, Any]:
     """Runs in a worker: a row, unless its output is there already."""
     plan = _opened(kind, store, run)
     wall, cpu = time.perf_counter(), time.process_time()
@@ -192,7 +192,7 @@ def _do(kind: type[Work], store: str, run: str, phase: str, row: int) -> dict[st
     }
 
 
-def _verify(kind: type[Work], store: str, run: str, phase: str, rows: list[int]) -> list[Any]:
+def _verify(kind: type[Work], store: str | os.PathLike[str], run: str, phase: str, rows: list[int]) -> list[Any]:
     """Runs in a worker: what the outputs of some rows are, None where one is not whole."""
     plan = _opened(kind, store, run)
     return [plan.verify_task(phase, row) for row in rows]
