@@ -33,6 +33,11 @@ impl Failure {
         Self::new(code::CHECK, message.into())
     }
 
+    /// The user asked to stop.
+    pub fn cancelled(message: impl Into<String>) -> Self {
+        Self::new(code::CANCELLED, message.into())
+    }
+
     /// `path` cannot be written.
     pub fn output(path: &Path, error: &io::Error) -> Self {
         let message = format!("cannot write {}: {error}", path.display());

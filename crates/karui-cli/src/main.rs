@@ -8,6 +8,7 @@ mod eye;
 mod failure;
 mod heat;
 mod input;
+mod outofcore;
 mod output;
 mod progress;
 #[cfg(test)]

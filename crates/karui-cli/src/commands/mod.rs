@@ -9,11 +9,13 @@ mod info;
 mod lod;
 mod man;
 mod measure;
+mod plan;
 mod render;
 mod replay;
 mod saliency;
 mod scene;
 mod simplify;
+mod task;
 mod tiles;
 mod validate;
 
@@ -37,6 +39,8 @@ pub enum Command {
     Convert(convert::Args),
     Scene(scene::Args),
     Tiles(tiles::Args),
+    Plan(plan::Args),
+    Task(task::Args),
     Bench(bench::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -58,6 +62,8 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Convert(args) => convert::run(&args, console),
         Command::Scene(args) => scene::run(&args, console),
         Command::Tiles(args) => tiles::run(&args, console),
+        Command::Plan(args) => plan::run(&args, console),
+        Command::Task(args) => task::run(&args, console),
         Command::Bench(args) => bench::run(&args, console),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args, console),

@@ -1,9 +1,11 @@
 //! `karui simplify`: one coarser model.
 
+use super::plan;
 use crate::args::{SimplifyArgs, WriteArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::outofcore::{BlockArgs, CutArgs, TargetArgs, Work, finish, memory};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, percent, seconds};
 use crate::{explain, output};
@@ -33,6 +35,8 @@ pub struct Args {
     #[command(flatten)]
     stop: StopArgs,
     #[command(flatten)]
+    large: LargeArgs,
+    #[command(flatten)]
     simplify: SimplifyArgs,
     /// Face samples, and as many edge samples, that the error is measured with at most
     #[arg(long, value_name = "N", default_value_t = 200_000)]
@@ -58,6 +62,25 @@ struct StopArgs {
     /// Largest error, as a share of the diagonal of the model's box
     #[arg(long, value_name = "SHARE")]
     relative_error: Option<f64>,
+}
+
+/// Models larger than memory.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Models larger than memory")]
+struct LargeArgs {
+    /// Read the model in slices and work on it in blocks, with so much memory, e.g. 1GiB; the
+    /// error is then estimated, not measured
+    #[arg(long, value_name = "SIZE", value_parser = memory,
+          conflicts_with_all = ["log", "relative_error", "samples", "SimplifyArgs", "WriteArgs"])]
+    memory_limit: Option<u64>,
+    /// Folder for what is not finished [default: the output's name with .karui]
+    #[arg(long, value_name = "FOLDER", requires = "memory_limit")]
+    work: Option<PathBuf>,
+    /// Leave that folder when all is done
+    #[arg(long, requires = "memory_limit")]
+    keep_work: bool,
+    #[command(flatten)]
+    cut: CutArgs,
 }
 
 impl StopArgs {
@@ -88,6 +111,10 @@ impl StopArgs {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     input::output_format(&args.output)?;
     let stop = args.stop.resolve()?;
+    if let Some(memory) = args.large.memory_limit {
+        return in_blocks(args, memory, console);
+    }
+    args.large.cut.refuse()?;
     let input = input::read(&args.input, console)?;
     input.require_triangles()?;
     let chain = build(args, stop, &input, console)?;
@@ -106,6 +133,33 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     console.summary(&outcome.text(&input, &chain))?;
     console.document(&outcome.document(args, &input, &chain))?;
     console.summary(&outcome.last_line(args, console))
+}
+
+/// The same without ever holding the model.
+fn in_blocks(args: &Args, memory: u64, console: &Console) -> Result<()> {
+    finish(&args.output)?;
+    let target = TargetArgs {
+        ratio: args.stop.ratio,
+        triangles: args.stop.triangles.map(|n| n as u64),
+        error: args.stop.error,
+    };
+    let blocks = BlockArgs {
+        memory_limit: Some(memory),
+        cut: args.large.cut.clone(),
+    };
+    let beside = || {
+        let mut name = args.output.clone().into_os_string();
+        name.push(".karui");
+        PathBuf::from(name)
+    };
+    let folder = args.large.work.clone().unwrap_or_else(beside);
+    let work = Work::create(&args.input, &folder, blocks.options(&target))?;
+    let last = work.run(memory, plan::threads(), console)?;
+    let summary = work.write(&last, &args.output, console)?;
+    if !args.large.keep_work {
+        work.clear()?;
+    }
+    plan::tell(&summary, &args.output, console)
 }
 
 fn build(args: &Args, stop: Stop, input: &Input, console: &Console) -> Result<SceneChain> {

@@ -1,6 +1,6 @@
 //! Runs all tasks in this process.
 
-use super::manifest::{Manifest, RowResult};
+use super::manifest::{Manifest, Phase, RowResult};
 use super::next::{Next, manifests, next};
 use super::task::{run_task, verify_task};
 use super::{Error, Plan, Result, Source, Store};
@@ -58,7 +58,8 @@ pub fn run(
             Next::Run(manifest) => manifest,
             Next::Done(manifest) => return Ok(manifest),
         };
-        let results = rows(store, source, &manifest, options)?;
+        let slot = Slot::of(plan, &manifest.phase);
+        let results = rows(store, source, &manifest, slot, options)?;
         manifest.commit(store, results)?;
     }
 }
@@ -68,6 +69,7 @@ fn rows(
     store: &dyn Store,
     source: &dyn Source,
     manifest: &Manifest,
+    slot: Slot,
     options: &RunOptions<'_>,
 ) -> Result<Vec<RowResult>> {
     let workers = options.workers.clamp(1, manifest.rows.len().max(1));
@@ -76,7 +78,7 @@ fn rows(
     let progress = options.progress;
     let report = |done: usize| {
         let share = done as f32 / manifest.rows.len().max(1) as f32;
-        step(progress, manifest.phase.kind.name(), share)
+        step(progress, manifest.phase.kind.name(), slot.at(share))
     };
     report(0)?;
     let outcomes: Mutex<Vec<Result<RowResult>>> = Mutex::default();
@@ -107,6 +109,55 @@ fn rows(
         .unwrap_or_else(PoisonError::into_inner)
         .into_iter()
         .collect()
+}
+
+/// Where in the whole work a phase lies, as shares of it.
+#[derive(Clone, Copy)]
+struct Slot {
+    start: f32,
+    end: f32,
+}
+
+impl Slot {
+    /// Guessed from the plan alone, so that what is reported only grows.
+    fn of(plan: &Plan, phase: &Phase) -> Self {
+        let ends = ends(plan);
+        let number = (phase.number as usize).min(ends.len() - 2);
+        Self {
+            start: ends[number],
+            end: ends[number + 1],
+        }
+    }
+
+    fn at(self, share: f32) -> f32 {
+        self.start + share * (self.end - self.start)
+    }
+}
+
+/// Shares of the work that are done before each phase, and in the end.
+fn ends(plan: &Plan) -> Vec<f32> {
+    let triangles = plan.chunks as f64 * 65_536.0;
+    // What each phase costs a triangle, seconds a million, and how many there are.
+    let left = |level: usize| plan.triangles_before(triangles, level as u32);
+    let mut costs = vec![0.02 * triangles, 0.4 * triangles];
+    for level in 0..3 {
+        costs.extend([0.03 * left(level), left(level)]);
+    }
+    costs.push(0.3 * left(3));
+    let all: f64 = costs.iter().sum();
+    let mut sum = 0.0;
+    let mut ends = vec![0.0];
+    for cost in costs {
+        sum += cost;
+        ends.push((sum / all.max(1.0)) as f32);
+    }
+    ends
+}
+
+/// Share of the work that is done once all but the writing is.
+pub(super) fn before_writing(plan: &Plan) -> f32 {
+    let ends = ends(plan);
+    ends[ends.len() - 2]
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -158,6 +158,15 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Triangles before a level of so many at first, as far as can be told beforehand.
+    pub(super) fn triangles_before(&self, triangles: f64, level: u32) -> f64 {
+        let wanted = self.options.target(triangles as u64) as f64;
+        // A quarter of the way, as ratios go, is left at each level.
+        (0..level).fold(triangles, |before, _| {
+            wanted.max(1.0) * (before / wanted.max(1.0)).sqrt().sqrt()
+        })
+    }
+
     fn same_as(&self, found: &Self) -> Result<()> {
         let differs = |what, found: String, expected: String| {
             Err(Error::OtherPlan {

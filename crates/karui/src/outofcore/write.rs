@@ -3,7 +3,8 @@
 use super::block::{Block, Part, Place, place};
 use super::columns::attributes;
 use super::weld::{hash, weld};
-use super::{Manifest, Result, Store, Vertices};
+use super::drive::before_writing;
+use super::{Manifest, Plan, Result, Store, Vertices};
 use crate::mesh::{Attribute, Attributes};
 use crate::progress::{Progress, step};
 
@@ -57,7 +58,11 @@ pub fn write(
     progress: &dyn Progress,
 ) -> Result<Summary> {
     let count = manifest.rows.len();
-    let report = |done: usize| step(progress, "write", done as f32 / (3 * count.max(1)) as f32);
+    let start = before_writing(&Plan::load(store)?);
+    let report = |done: usize| -> Result<()> {
+        let share = done as f32 / (3 * count.max(1)) as f32;
+        Ok(step(progress, "write", start + (1.0 - start) * share)?)
+    };
     let mut summary = Summary {
         input: manifest.phase.whole,
         ..Summary::default()

@@ -1,0 +1,12 @@
+//! What `karui simplify --memory-limit`, `karui plan` and `karui task` share.
+
+mod arguments;
+mod failure;
+mod observer;
+mod sink;
+mod work;
+
+pub use arguments::{BlockArgs, CutArgs, TargetArgs, memory};
+pub use failure::told;
+pub use observer::observer;
+pub use work::{Work, finish};

@@ -1,0 +1,114 @@
+//! A plan, its store and its model, opened together.
+
+use super::sink::PlySink;
+use super::{observer, told};
+use crate::console::Console;
+use crate::failure::Failure;
+use anyhow::Result;
+use karui::outofcore::{
+    self, Error, Folder, Manifest, Plan, PlanOptions, RunOptions, Source, Store, Summary,
+};
+use karui_io::Format;
+use std::path::Path;
+
+/// A plan, its store and its model.
+pub struct Work {
+    /// Where blocks are kept.
+    pub store: Folder,
+    /// The model.
+    pub source: Box<dyn Source + Send>,
+    /// What is to be done.
+    pub plan: Plan,
+}
+
+impl Work {
+    /// Puts a plan for `input` into `folder`, or finds the same there.
+    pub fn create(input: &Path, folder: &Path, options: PlanOptions) -> Result<Self> {
+        let source = karui_io::slices::open(input)?;
+        // Tasks may run elsewhere.
+        let uri = std::path::absolute(input)?.display().to_string();
+        let plan = Plan::new(&*source, &uri, options).map_err(told)?;
+        let store = Folder::create(folder).map_err(told)?;
+        plan.save(&store).map_err(told)?;
+        Ok(Self {
+            store,
+            source,
+            plan,
+        })
+    }
+
+    /// Opens the plan in `folder`.
+    pub fn open(folder: &Path) -> Result<Self> {
+        let store = Folder::open(folder);
+        let plan = Plan::load(&store).map_err(|error| match error {
+            Error::Missing { .. } => {
+                let message = format!("{} holds no plan", folder.display());
+                Failure::input(message).hint("make one with `karui plan new`").into()
+            }
+            error => told(error),
+        })?;
+        let source = karui_io::slices::open(&plan.source)?;
+        Ok(Self {
+            store,
+            source,
+            plan,
+        })
+    }
+
+    /// Does what is still to be done with so much memory; the last manifest.
+    pub fn run(&self, memory: u64, threads: usize, console: &Console) -> Result<Manifest> {
+        let observer = observer(console.quiet);
+        let options = RunOptions {
+            workers: self.plan.options.workers_for(memory).min(threads),
+            progress: &*observer,
+        };
+        let done = outofcore::run(&self.store, &*self.source, &self.plan, &options);
+        done.map_err(|error| self.stopped(error))
+    }
+
+    /// Writes the result.
+    pub fn write(&self, last: &Manifest, output: &Path, console: &Console) -> Result<Summary> {
+        let observer = observer(console.quiet);
+        let mut sink = PlySink::create(output)?;
+        let summary = outofcore::write(&self.store, last, &mut sink, &*observer);
+        let summary = summary.map_err(|error| self.stopped(error))?;
+        sink.finish()?;
+        Ok(summary)
+    }
+
+    /// What was wrong, and that nothing done is lost.
+    fn stopped(&self, error: Error) -> anyhow::Error {
+        let folder = self.store.root().display();
+        let hint = format!("what is done is kept; `karui plan resume {folder}` goes on from there");
+        match &error {
+            Error::Block(karui::Error::Cancelled) => {
+                Failure::cancelled("interrupted").hint(hint).into()
+            }
+            Error::Store { .. } => told(error).context(hint),
+            _ => told(error),
+        }
+    }
+
+    /// Takes all of the store away.
+    pub fn clear(&self) -> Result<()> {
+        self.store.sweep().map_err(told)?;
+        for name in self.store.list().map_err(told)? {
+            self.store.remove(&name).map_err(told)?;
+        }
+        // Fails if there is something of somebody else's in it, which is right.
+        let _ = std::fs::remove_dir(self.store.root());
+        Ok(())
+    }
+}
+
+/// Refuses a name that cannot be streamed to, before any work is done for it.
+pub fn finish(output: &Path) -> Result<()> {
+    match Format::from_path(output)? {
+        Format::Ply => Ok(()),
+        other => {
+            let message = format!("{other} cannot be written in pieces");
+            let hint = "name a .ply; `karui convert` makes other formats of one that fits memory";
+            Err(Failure::input(message).hint(hint).into())
+        }
+    }
+}
