@@ -388,7 +388,7 @@ mod tests {
         assert_eq!(bad(&block, guard), [1]);
         let patient = Patient::new(&block, guard, &[1]);
         assert_eq!(block.mend(1, &patient).len(), 2);
-        assert_eq!(bad(&block, guard), []);
+        assert!(bad(&block, guard).is_empty());
         let mut sorted = block.triangle.clone();
         sorted.iter_mut().for_each(|t| t.sort_unstable());
         assert_eq!(listed(&block), sorted);
@@ -409,7 +409,7 @@ mod tests {
         let mut block = block(&dart(false), true);
         assert_eq!(bad(&block, guard), [1]);
         let patient = Patient::new(&block, guard, &[1]);
-        assert_eq!(block.mend(1, &patient), []);
+        assert!(block.mend(1, &patient).is_empty());
     }
 
     #[test]
@@ -432,7 +432,7 @@ mod tests {
                 patient.look_again(&block, &changed);
             }
         }
-        assert_eq!(bad(&block, guard), []);
+        assert!(bad(&block, guard).is_empty());
         assert_eq!(block.alive, mesh.triangles.len());
     }
 }
