@@ -24,6 +24,14 @@ mkdir -p "$target/read_gz"
 for file in "$target"/read_off/*; do
     gzip -nc "$file" >"$target/read_gz/$(basename "$file").gz"
 done
+# The first byte says the format.
+mkdir -p "$target/slices"
+for kind in 0:ply 1:stl 2:obj 3:gltf 4:gltf; do
+    for file in "$target/read_${kind#*:}"/*; do
+        { printf "\\x0${kind%:*}" && cat "$file"; } >"$target/slices/${kind%:*}-$(basename "$file")"
+    done
+done
+echo "$(find "$target/slices" -type f | wc -l) seeds in $target/slices"
 mkdir -p "$target/decode_image"
 find -L "$models" -type f -size "-${largest}c" \( -iname '*.png' -o -iname '*.jpg' \) \
     -exec cp {} "$target/decode_image" \;

@@ -141,7 +141,7 @@ pub fn write_one(path: &Path, scene: &Scene, options: &WriteOptions) -> Result<W
 }
 
 /// A writer's error: the device's fault or the content's.
-fn refused(path: &Path, error: karui_io::Error) -> anyhow::Error {
+pub fn refused(path: &Path, error: karui_io::Error) -> anyhow::Error {
     match *error.kind {
         ErrorKind::Io(io) => Failure::output(path, &io).into(),
         kind => karui_io::Error::file(path, kind).into(),

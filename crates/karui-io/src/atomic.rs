@@ -13,7 +13,7 @@ use std::{
 use tempfile::{Builder, NamedTempFile};
 
 /// Bytes gathered before the operating system is asked to write.
-const BUFFER: usize = 1 << 18;
+pub(crate) const BUFFER: usize = 1 << 18;
 
 /// A set of files that become visible together.
 #[derive(Debug, Default)]
@@ -84,7 +84,8 @@ impl Transaction {
     }
 }
 
-fn temporary(target: &Path) -> io::Result<NamedTempFile> {
+/// A new file beside `target` that is to become it.
+pub(crate) fn temporary(target: &Path) -> io::Result<NamedTempFile> {
     // Renaming over a folder fails late, and over a device would destroy it.
     match fs::metadata(target) {
         Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),

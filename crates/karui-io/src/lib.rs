@@ -24,7 +24,7 @@
 //!
 //! [`slices`] reads models that are larger than memory.
 //!
-//! [`decode_image`] and [`encode_png`] are for pictures.
+//! [`decode_image`] and [`encode_png`] are for pictures, [`HeightRows`] for height maps.
 //!
 //! Readers never panic and reserve no memory on the word of a header; every
 //! error names the file, the place and what was expected there. Writers leave
@@ -54,7 +54,7 @@ pub use atomic::Written;
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};
-pub use image::{decode_image, encode_png, picture_of};
+pub use image::{HeightRows, decode_image, encode_png, picture_of};
 pub use ply::PlyEncoding;
 pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
 pub use warnings::Warnings;

@@ -56,11 +56,15 @@ pub(crate) fn write_flipped(sink: &mut (impl Write + ?Sized), v: f32) -> io::Res
     write_double(sink, exact)
 }
 
+/// `value` in 255ths, rounded and within 0..=255.
+pub(crate) fn to_byte(value: f32) -> u8 {
+    (value * 255.0).round() as u8
+}
+
 /// `value` as a byte of 0..=255 if it is exactly a 255th.
 pub(crate) fn byte_of(value: f32) -> Option<u8> {
-    let byte = (value * 255.0).round();
-    let exact = (0.0..=255.0).contains(&byte) && byte / 255.0 == value;
-    exact.then_some(byte as u8)
+    let byte = to_byte(value);
+    (f32::from(byte) / 255.0 == value).then_some(byte)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use karui::{
     },
 };
 use proptest::prelude::*;
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, time::Instant};
 
 fn all_costs(mesh: &TriMesh) -> Vec<VertexCost> {
     vertex_costs(&mesh.positions, &mesh.triangles, 0..mesh.positions.len()).unwrap()
@@ -160,6 +160,13 @@ fn half_flat() -> TriMesh {
 #[test]
 fn load_is_balanced_where_vertices_are_not() {
     let mesh = half_flat();
+    let started = Instant::now();
+    let costs = all_costs(&mesh);
+    println!(
+        "costs of {} vertices: {:.0?}",
+        costs.len(),
+        started.elapsed()
+    );
     for (share, apart) in [(0.3, 1.5), (0.5, 1.5), (0.7, 1.5), (0.9, 1.1)] {
         let loads = loads(&mesh, Grid::along_longest(bounds(&mesh)), share);
         let aware = Regions::load_aware(&loads, 8);

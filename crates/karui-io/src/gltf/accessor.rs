@@ -331,6 +331,16 @@ impl Elements<'_> {
         }
     }
 
+    /// Elements of which one starts every `stride` bytes; the last may end before.
+    pub fn spaced(layout: Layout, count: usize, stride: usize, bytes: Vec<u8>) -> Self {
+        Self {
+            layout,
+            count,
+            bytes: Cow::Owned(bytes),
+            stride,
+        }
+    }
+
     /// The bytes of element `i`.
     pub fn element(&self, i: usize) -> &[u8] {
         &self.bytes[i * self.stride..][..self.layout.size()]

@@ -5,11 +5,11 @@ use crate::{
     error::{Error, ErrorKind, Place, Result},
 };
 
-const MAGIC: &[u8; 4] = b"glTF";
-const JSON: u32 = 0x4e4f_534a;
-const BIN: u32 = 0x004e_4942;
-const HEADER: usize = 12;
-const CHUNK_HEADER: usize = 8;
+pub(super) const MAGIC: &[u8; 4] = b"glTF";
+pub(super) const JSON: u32 = 0x4e4f_534a;
+pub(super) const BIN: u32 = 0x004e_4942;
+pub(super) const HEADER: usize = 12;
+pub(super) const CHUNK_HEADER: usize = 8;
 
 /// The parts of a file.
 pub(super) struct Container<'a> {

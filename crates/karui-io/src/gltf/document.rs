@@ -41,6 +41,9 @@ struct View {
     stride: Option<usize>,
 }
 
+/// Content and `byteStride` of a buffer view, if it is wanted.
+pub(super) type LoadedView = Option<(Vec<u8>, Option<usize>)>;
+
 enum ViewBytes {
     /// Part of a buffer.
     Part(usize, Range<usize>),
@@ -69,6 +72,26 @@ impl Document {
         };
         document.load_views(&budget)?;
         Ok((document, budget))
+    }
+
+    /// A document with some of its buffer views; the others count as empty.
+    pub fn of_views(json: Value, views: Vec<LoadedView>) -> Self {
+        let own = |view: LoadedView| match view {
+            Some((bytes, stride)) => View {
+                bytes: ViewBytes::Own(bytes),
+                stride,
+            },
+            None => View {
+                bytes: ViewBytes::Dropped,
+                stride: None,
+            },
+        };
+        Self {
+            json,
+            buffers: Vec::new(),
+            views: views.into_iter().map(own).collect(),
+            size: 0,
+        }
     }
 
     fn load_views(&mut self, budget: &Budget) -> Result<()> {

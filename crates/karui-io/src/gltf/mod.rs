@@ -27,6 +27,7 @@ mod quantize;
 mod read;
 mod read_mesh;
 mod references;
+pub(crate) mod slices;
 mod tie;
 pub(crate) mod uri;
 mod write;

@@ -269,7 +269,7 @@ impl<'a> Context<'a> {
     }
 }
 
-fn check(semantic: Semantic<'_>, layout: Layout, at: &At<'_>) -> Result<()> {
+pub(super) fn check(semantic: Semantic<'_>, layout: Layout, at: &At<'_>) -> Result<()> {
     if semantic.accepts(layout) {
         return Ok(());
     }

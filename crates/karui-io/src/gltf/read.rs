@@ -176,7 +176,7 @@ fn read_materials(json: &Value, budget: &Budget) -> Result<Vec<Material>> {
     materials.iter().enumerate().map(read).collect()
 }
 
-fn read_nodes(json: &Value, budget: &Budget) -> Result<Vec<Node>> {
+pub(super) fn read_nodes(json: &Value, budget: &Budget) -> Result<Vec<Node>> {
     let raw = json::array(json, "nodes", &ROOT)?;
     budget.take(raw.len(), size_of::<Node>(), &ROOT.key("nodes"))?;
     let counts = Counts {

@@ -3,12 +3,14 @@
 //! A header is believed only as far as the bytes behind it can bear it out:
 //! neither format packs a pixel into less than a certain part of a byte.
 
+mod height_rows;
 mod jpeg;
 mod pixels;
 mod png;
 #[cfg(test)]
 mod tests;
 
+pub use height_rows::HeightRows;
 pub(crate) use pixels::encoded;
 pub use pixels::picture_of;
 pub use png::encode_png;

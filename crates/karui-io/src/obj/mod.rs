@@ -8,7 +8,7 @@
 mod corners;
 mod mtl_read;
 mod mtl_write;
-mod read;
+pub(crate) mod read;
 mod write;
 
 pub(crate) use read::read;

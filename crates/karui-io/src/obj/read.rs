@@ -33,7 +33,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<Model> {
 }
 
 /// A line with those it goes on in after a final `\`.
-fn joined<'a>(line: &'a [u8], lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
+pub(crate) fn joined<'a>(line: &'a [u8], lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
     let Some(start) = line.strip_suffix(b"\\") else {
         return Cow::Borrowed(line);
     };
@@ -305,7 +305,11 @@ impl State {
 /// Numbers up to the end of the line; how many were there. More than asked
 /// for are not looked at.
 #[inline]
-fn numbers(words: Words<'_>, values: &mut [f32], what: &'static str) -> Result<usize, ErrorKind> {
+pub(crate) fn numbers(
+    words: Words<'_>,
+    values: &mut [f32],
+    what: &'static str,
+) -> Result<usize, ErrorKind> {
     let mut found = 0;
     for (value, word) in values.iter_mut().zip(words) {
         if word.starts_with(b"#") {
@@ -317,7 +321,7 @@ fn numbers(words: Words<'_>, values: &mut [f32], what: &'static str) -> Result<u
     Ok(found)
 }
 
-fn at_least(wanted: usize, found: usize) -> Result<(), ErrorKind> {
+pub(crate) fn at_least(wanted: usize, found: usize) -> Result<(), ErrorKind> {
     if found < wanted {
         return Err(missing(wanted, found));
     }
@@ -329,7 +333,7 @@ fn missing(wanted: usize, found: usize) -> ErrorKind {
     ErrorKind::syntax(format!("{wanted} number{s}"), found.to_string())
 }
 
-fn out_of_range(kind: usize, index: i64, count: usize) -> ErrorKind {
+pub(crate) fn out_of_range(kind: usize, index: i64, count: usize) -> ErrorKind {
     let what = KINDS[kind];
     ErrorKind::IndexOutOfRange { what, index, count }
 }
@@ -341,13 +345,18 @@ fn scaled(mut colors: Vec<Vec4>, vertices: usize) -> Option<Vec<Vec4>> {
     }
     colors.resize(vertices, Vec4::NAN);
     let most = colors.iter().map(|c| c.truncate().max_element());
-    let bytes = most.fold(0.0, f32::max) > 1.0;
+    let scale = scale(most.fold(0.0, f32::max));
     for color in &mut colors {
         if color.is_nan() {
             *color = Vec4::ONE;
-        } else if bytes {
-            *color = (color.truncate() / 255.0).extend(color.w);
+        } else {
+            *color = (color.truncate() / scale).extend(color.w);
         }
     }
     Some(colors)
+}
+
+/// What colours are divided by if the largest number in one is `brightest`.
+pub(crate) fn scale(brightest: f32) -> f32 {
+    if brightest > 1.0 { 255.0 } else { 1.0 }
 }

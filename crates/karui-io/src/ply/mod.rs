@@ -12,7 +12,7 @@ pub(crate) mod faces;
 pub(crate) mod header;
 mod read;
 pub(crate) mod vertices;
-mod write;
+pub(crate) mod write;
 
 #[cfg(test)]
 mod tests;

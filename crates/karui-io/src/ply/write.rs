@@ -4,11 +4,12 @@ use super::SETS;
 use crate::{
     atomic::Sink,
     color::{self, Layout},
-    number::{byte_of, flip, unflip, write_double, write_float, write_integer},
+    number::{flip, to_byte, unflip, write_double, write_float, write_integer},
 };
 use karui::{
     TriMesh,
-    mesh::{Attribute, AttributeValues},
+    geom::{Vec2, Vec3, Vec4},
+    mesh::{Attribute, AttributeValues, Attributes},
 };
 use std::io;
 
@@ -27,7 +28,7 @@ pub enum PlyEncoding {
 /// Writes the triangles, the vertices with all attributes but skins and morph
 /// targets, and the face attributes.
 pub(crate) fn write(sink: &mut Sink<'_>, mesh: &TriMesh, encoding: PlyEncoding) -> io::Result<()> {
-    let vertex = vertex_columns(mesh);
+    let vertex = vertex_columns(&mesh.positions, &mesh.attributes, &Types::shortest());
     let face = face_columns(mesh);
     write_header(sink, mesh, encoding, &vertex, &face)?;
     let mut row = Row {
@@ -65,12 +66,7 @@ fn write_header(
         writeln!(sink, "property {} {}", column.scalar, column.name)?;
     }
     writeln!(sink, "element face {}", mesh.triangles.len())?;
-    // Signed, because many readers know no other; 2^31 vertices fit in none.
-    let index = if mesh.positions.len() > i32::MAX as usize {
-        "uint"
-    } else {
-        "int"
-    };
+    let index = index_type(mesh.positions.len() as u64);
     writeln!(sink, "property list uchar {index} vertex_indices")?;
     for column in face {
         writeln!(sink, "property {} {}", column.scalar, column.name)?;
@@ -79,14 +75,14 @@ fn write_header(
 }
 
 /// A property and how to get its value for an element.
-struct Column<'a> {
-    name: String,
-    scalar: &'static str,
-    value: Box<dyn Fn(usize) -> Value + 'a>,
+pub(crate) struct Column<'a> {
+    pub name: String,
+    pub scalar: &'static str,
+    pub value: Box<dyn Fn(usize) -> Value + 'a>,
 }
 
 #[derive(Clone, Copy)]
-enum Value {
+pub(crate) enum Value {
     I8(i8),
     U8(u8),
     I16(i16),
@@ -97,10 +93,43 @@ enum Value {
     F64(f64),
 }
 
-fn vertex_columns(mesh: &TriMesh) -> Vec<Column<'_>> {
+/// Signed, because many readers know no other; 2^31 vertices fit in none.
+pub(crate) fn index_type(vertices: u64) -> &'static str {
+    if vertices > i32::MAX as u64 {
+        "uint"
+    } else {
+        "int"
+    }
+}
+
+/// How the types of columns are chosen.
+pub(crate) struct Types {
+    /// Of a set of colours.
+    pub color: fn(&[Vec4]) -> Layout,
+    /// Whether the t of texture coordinates is in double precision.
+    pub double: fn(&[Vec2]) -> bool,
+}
+
+impl Types {
+    /// The shortest that lose nothing, which all vertices have to be seen for.
+    fn shortest() -> Self {
+        Self {
+            color: Layout::of,
+            double: |uvs| {
+                !uvs.iter()
+                    .all(|uv| unflip(f64::from(flip(uv.y) as f32)) == uv.y)
+            },
+        }
+    }
+}
+
+pub(crate) fn vertex_columns<'a>(
+    positions: &'a [Vec3],
+    a: &'a Attributes,
+    types: &Types,
+) -> Vec<Column<'a>> {
     let mut columns = Vec::new();
-    push_floats(&mut columns, ["x", "y", "z"], |v, i| mesh.positions[v][i]);
-    let a = &mesh.attributes;
+    push_floats(&mut columns, ["x", "y", "z"], |v, i| positions[v][i]);
     if let Some(normals) = &a.normals {
         push_floats(&mut columns, ["nx", "ny", "nz"], |v, i| normals[v][i]);
     }
@@ -111,24 +140,20 @@ fn vertex_columns(mesh: &TriMesh) -> Vec<Column<'_>> {
     }
     for (set, uvs) in a.uvs.iter().take(SETS).enumerate() {
         push_floats(&mut columns, [numbered("s", set)], |v, _| uvs[v].x);
-        // Double precision only where turning would lose something.
-        let exact = |v: f32| unflip(f64::from(flip(v) as f32)) == v;
         let name = numbered("t", set);
-        columns.push(if uvs.iter().all(|uv| exact(uv.y)) {
-            column(name, "float", |v| Value::F32(flip(uvs[v].y) as f32))
-        } else {
+        columns.push(if (types.double)(uvs) {
             column(name, "double", |v| Value::F64(flip(uvs[v].y)))
+        } else {
+            column(name, "float", |v| Value::F32(flip(uvs[v].y) as f32))
         });
     }
     for (set, colors) in a.colors.iter().take(SETS).enumerate() {
-        let layout = Layout::of(colors);
+        let layout = (types.color)(colors);
         let names = ["red", "green", "blue", "alpha"];
         for (i, name) in names[..layout.components()].iter().enumerate() {
             let name = numbered(name, set);
             columns.push(if layout.bytes {
-                column(name, "uchar", move |v| {
-                    Value::U8(byte_of(colors[v][i]).unwrap_or_default())
-                })
+                column(name, "uchar", move |v| Value::U8(to_byte(colors[v][i])))
             } else {
                 column(name, "float", move |v| Value::F32(colors[v][i]))
             });
@@ -226,13 +251,13 @@ fn component(attribute: &Attribute, i: usize, name: String) -> Column<'_> {
 }
 
 /// The row being written.
-struct Row {
-    encoding: PlyEncoding,
-    bytes: Vec<u8>,
+pub(crate) struct Row {
+    pub encoding: PlyEncoding,
+    pub bytes: Vec<u8>,
 }
 
 impl Row {
-    fn push(&mut self, value: Value) {
+    pub fn push(&mut self, value: Value) {
         match self.encoding {
             PlyEncoding::Ascii => self.push_text(value),
             PlyEncoding::BinaryLittleEndian => match value {

@@ -17,7 +17,7 @@ const LINE: usize = 64 << 20;
 
 /// An open file and its length.
 #[derive(Debug)]
-pub(super) struct FileAt {
+pub(crate) struct FileAt {
     #[cfg(unix)]
     file: File,
     #[cfg(not(unix))]
@@ -93,7 +93,7 @@ fn short(at: u64, expected: u64, found: u64) -> Error {
 }
 
 /// A piece of a file in memory that follows a scan from start to end.
-pub(super) struct Window<'a> {
+pub(crate) struct Window<'a> {
     file: &'a FileAt,
     start: u64,
     bytes: Vec<u8>,

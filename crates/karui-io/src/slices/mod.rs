@@ -7,19 +7,31 @@
 //! | | what a vertex is | carried besides positions |
 //! |-|-|-|
 //! | PLY | as in the file | all but lists |
+//! | OBJ | a position | colours |
+//! | glTF, GLB | as in the file, for each place where its mesh stands | texture coordinates, colours; normals and tangents if all have them |
+//! | STL, binary | corner c of facet f is 3 f + c | |
+//! | raw | as in the file | |
 
-mod file;
+mod cut;
+pub(crate) mod file;
+mod obj;
 mod ply;
+mod ply_writer;
+pub mod raw;
+mod stl;
 
 use crate::{
     Format,
     error::{Error, ErrorKind, Result},
     format::is_gz,
+    gltf,
     warnings::Warnings,
 };
 use file::FileAt;
 use karui::outofcore::{self, Source};
 use std::path::Path;
+
+pub use ply_writer::PlyWriter;
 
 /// Bytes at the head of a file that tell its format.
 const HEAD: u64 = 4096;
@@ -62,16 +74,35 @@ fn opened(file: FileAt, warnings: &mut Warnings) -> Result<Box<dyn Source + Send
         let feature = "reading a gzipped file in slices (unpack it first, with `gzip -d`)";
         return Err(Error::file("", ErrorKind::unsupported(feature)));
     }
-    Ok(match Format::detect(&file.path, &head)? {
+    if head.starts_with(raw::MAGIC) {
+        return Ok(Box::new(raw::open(file)?));
+    }
+    Ok(match detect(&file, &head)? {
+        Format::Stl => Box::new(stl::open(file, &head, warnings)?),
         Format::Ply => Box::new(ply::open(file, warnings)?),
-        other => {
-            let feature = format!("reading {other} in slices");
+        Format::Obj => Box::new(obj::open(file, warnings)?),
+        Format::Gltf | Format::Glb => Box::new(gltf::slices::open(file, warnings)?),
+        Format::Off => {
+            let feature = "OFF in slices (`karui convert` writes it as binary PLY)";
             return Err(Error::file("", ErrorKind::unsupported(feature)));
         }
     })
 }
 
+/// By name and head; a binary STL without a name by its length.
+fn detect(file: &FileAt, head: &[u8]) -> Result<Format> {
+    match Format::detect(&file.path, head) {
+        Err(error)
+            if matches!(*error.kind, ErrorKind::UnknownFormat { .. })
+                && stl::is_binary(head, file.len) =>
+        {
+            Ok(Format::Stl)
+        }
+        found => found,
+    }
+}
+
 /// An error of this crate as one of a source.
-fn failed(error: Error, file: &FileAt) -> outofcore::Error {
+pub(crate) fn failed(error: Error, file: &FileAt) -> outofcore::Error {
     outofcore::Error::Source(Box::new(error.in_file(&file.path)))
 }

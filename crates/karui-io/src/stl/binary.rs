@@ -8,9 +8,9 @@ use crate::{
 use karui::geom::Vec3;
 
 /// Bytes before the first facet.
-pub(super) const HEADER: usize = 84;
+pub(crate) const HEADER: usize = 84;
 /// Bytes a facet: normal, three corners, two attribute bytes.
-pub(super) const FACET: usize = 50;
+pub(crate) const FACET: usize = 50;
 
 /// Reads the facets. The count must agree with the size of the file: fewer
 /// facets than it says mean a truncated file, more mean a damaged header. Less

@@ -6,7 +6,7 @@
 //! kept as the face attribute `stl_attribute` unless all are 0.
 
 mod ascii;
-mod binary;
+pub(crate) mod binary;
 mod write;
 
 pub(crate) use write::write;
@@ -53,7 +53,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<Scene> {
     weld(soup)
 }
 
-fn looks_like_text(bytes: &[u8]) -> bool {
+pub(crate) fn looks_like_text(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     let starts = |word: &[u8]| {
         let start = head.trim_ascii_start();

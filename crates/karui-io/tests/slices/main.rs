@@ -4,7 +4,12 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod gltf;
+mod obj;
 mod ply;
+mod ply_writer;
+mod raw;
+mod stl;
 
 use flate2::read::MultiGzDecoder;
 use karui::{
@@ -70,6 +75,45 @@ fn unpacked(model: &Path, folder: &Path) -> PathBuf {
     target
 }
 
+/// The model's corners, triangle by triangle: what is left if vertices are joined otherwise.
+fn corners(source: &dyn Source) -> Vec<[[u32; 3]; 3]> {
+    let positions: Vec<_> = vertices(source, 77_777).unwrap();
+    let positions: Vec<_> = positions.into_iter().flat_map(|v| v.positions).collect();
+    let place = |v: u64| positions[v as usize].to_array().map(f32::to_bits);
+    triangles(source)
+        .unwrap()
+        .into_iter()
+        .map(|t| t.map(place))
+        .collect()
+}
+
+/// The corners of a mesh read whole.
+fn corners_of(mesh: &TriMesh) -> Vec<[[u32; 3]; 3]> {
+    let place = |v: u32| mesh.positions[v as usize].to_array().map(f32::to_bits);
+    mesh.triangles.iter().map(|t| t.map(place)).collect()
+}
+
+/// Reads a small file cut off after every byte, and with every byte changed: nothing
+/// panics, and what is refused is refused by name.
+fn damaged_everywhere(bytes: &[u8], name: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    let read = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        if let Err(error) = outcome(&path) {
+            assert!(error.contains(name), "{error}");
+        }
+    };
+    for end in 0..bytes.len() {
+        read(&bytes[..end]);
+        for change in [0x01, 0x10, 0x80, 0xff] {
+            let mut bad = bytes.to_vec();
+            bad[end] ^= change;
+            read(&bad);
+        }
+    }
+}
+
 /// What opening and reading all of it comes to.
 fn outcome(path: &Path) -> Result<(Vec<Vertices>, Vec<[u64; 3]>), String> {
     let source = karui_io::slices::open(path).map_err(|e| e.to_string())?;
@@ -88,7 +132,7 @@ fn what_cannot_be_sliced_is_refused() {
     for (name, content) in [("a.ply.gz", &[0x1f, 0x8b][..]), ("a.ply", &[0x1f, 0x8b])] {
         assert!(error(name, content).contains("gzip -d"));
     }
-    assert!(error("a.off", b"OFF 0 0 0\n").contains("OFF in slices is not supported"));
+    assert!(error("a.off", b"OFF 0 0 0\n").contains("OFF in slices"));
     assert!(error("a.xyz", b"").contains("unknown format"));
     let missing = karui_io::slices::open(folder.path().join("none.ply"));
     assert!(missing.err().unwrap().to_string().contains("no such file"));

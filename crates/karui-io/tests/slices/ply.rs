@@ -277,6 +277,14 @@ fn truncated_at_every_byte() {
 }
 
 #[test]
+fn any_byte_may_be_wrong() {
+    for encoding in 0..3 {
+        crate::damaged_everywhere(&small(encoding, &[&[0, 1, 2], &[0, 2, 3]]), "a.ply");
+        crate::damaged_everywhere(&small(encoding, &[&[0, 1, 2, 3], &[0, 1, 2]]), "a.ply");
+    }
+}
+
+#[test]
 fn counts_that_lie_are_found_when_the_file_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply");

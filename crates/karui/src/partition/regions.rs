@@ -117,12 +117,10 @@ impl Regions {
         starts.push(0);
         starts.sort_unstable();
         starts.dedup();
-        let first = histogram.loads.keys().next();
+        let first = histogram.loads.keys().next().copied();
         // A region before the first vertex would be empty.
-        if let (Some(&first), Some(&second)) = (first, starts.get(1)) {
-            if second <= first {
-                starts.remove(1);
-            }
+        if starts.get(1).is_some_and(|&second| Some(second) <= first) {
+            starts.remove(1);
         }
         let mut regions = Self {
             grid: histogram.grid,

@@ -1,23 +1,27 @@
-//! `karui scene`: made-up scenes of very many objects.
+//! `karui scene`: made-up scenes of very many objects, and meshes of any size.
 
 pub(super) mod city;
 mod forest;
+mod fused;
 mod kato1998;
+mod mesh_output;
+mod terrain;
 
 use crate::args::WriteArgs;
 use crate::console::Console;
 use crate::output;
+use crate::progress::check_cancelled;
 use crate::table::{bytes, count, seconds};
 use anyhow::Result;
 use clap::Subcommand;
-use karui::Scene;
+use karui::{Progress, Scene};
 use karui_io::{ErrorKind, Format};
 use std::path::PathBuf;
 
-/// Make a scene of very many objects
+/// Make a scene of very many objects, or a mesh of any size
 ///
 /// Objects are instances of few meshes (`EXT_mesh_gpu_instancing`): a million take as much as
-/// their places. Same arguments, same bytes.
+/// their places. A mesh is written as it is made. Same arguments, same bytes.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -29,6 +33,8 @@ enum What {
     Forest(forest::Args),
     City(city::Args),
     Kato1998(kato1998::Args),
+    Terrain(terrain::Args),
+    Fused(fused::Args),
 }
 
 /// Runs the subcommand.
@@ -37,6 +43,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Forest(args) => forest::run(args, console),
         What::City(args) => city::run(args, console),
         What::Kato1998(args) => kato1998::run(args, console),
+        What::Terrain(args) => terrain::run(args, console),
+        What::Fused(args) => fused::run(args, console),
     }
 }
 
@@ -103,6 +111,12 @@ impl OutputArgs {
             "drawn_triangles": drawn,
         }))
     }
+}
+
+/// Reports progress and hears a wish to stop.
+fn check(progress: &dyn Progress, stage: &'static str, fraction: f32) -> Result<()> {
+    progress.report(stage, fraction);
+    Ok(check_cancelled()?)
 }
 
 /// A scene or options that the library refuses: the user's input.

@@ -6,12 +6,12 @@
 mod locate;
 mod rows;
 
-use super::{failed, file::FileAt};
+use super::{cut::cut, failed, file::FileAt};
 use crate::{
     Place,
     error::{Error, ErrorKind, Result},
     ply::{
-        columns::{Column, Lengths, Table},
+        columns::{Column, Table},
         faces::{take_corners, to_u32},
         header::{self, Element, Encoding, Header},
         vertices,
@@ -19,11 +19,7 @@ use crate::{
     text::Lines,
     warnings::Warnings,
 };
-use karui::{
-    PolyMesh,
-    geom::Vec3,
-    outofcore::{self, Source, Vertices},
-};
+use karui::outofcore::{self, Source, Vertices};
 use locate::{Wanted, locate, size};
 use rows::{Mark, Rows};
 use std::ops::Range;
@@ -34,10 +30,6 @@ const FACES: u64 = 65_536;
 const VERTICES: u64 = 4096;
 /// Bytes of the file that are searched for the end of the header at most.
 const HEADER: u64 = 16 << 20;
-/// Vertices that may lie unused between two that are read at once.
-const GAP: u64 = 1024;
-/// Vertices that are read at once at most.
-const RUN: u64 = 65_536;
 
 /// A PLY file.
 #[derive(Debug)]
@@ -182,61 +174,9 @@ impl Ply {
         let Column {
             values, lengths, ..
         } = corners;
-        let indices = to_u32(values);
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        match lengths {
-            Lengths::Fixed(3) => {
-                let triangles = indices.as_chunks::<3>().0;
-                Ok(triangles.iter().map(|t| t.map(u64::from)).collect())
-            }
-            lengths => self.cut(&indices, &lengths, count),
-        }
-    }
-
-    /// Faces of any size as triangles. How one is best cut depends on where its
-    /// corners are, so these are read.
-    fn cut(&self, indices: &[u32], lengths: &Lengths, rows: usize) -> Result<Vec<[u64; 3]>> {
-        let mut used = indices.to_vec();
-        used.sort_unstable();
-        used.dedup();
-        let is_larger = (0..rows).any(|row| lengths.get(row) > 3);
-        let mut local = PolyMesh {
-            positions: if is_larger {
-                self.positions(&used)?
-            } else {
-                Vec::new()
-            },
-            ..PolyMesh::default()
-        };
-        let place = |v: &u32| used.partition_point(|u| u < v) as u32;
-        let mut rest = indices;
-        for row in 0..rows {
-            let (face, others) = rest.split_at(lengths.get(row).min(rest.len()));
-            local.push_face(&face.iter().map(place).collect::<Vec<_>>());
-            rest = others;
-        }
-        let triangles = local.triangulate().triangles;
-        let whole = |t: [u32; 3]| t.map(|v| u64::from(used[v as usize]));
-        Ok(triangles.into_iter().map(whole).collect())
-    }
-
-    /// Positions of vertices given in ascending order.
-    fn positions(&self, used: &[u32]) -> Result<Vec<Vec3>> {
-        let mut found = Vec::with_capacity(used.len());
-        let mut rest = used;
-        while let Some(&first) = rest.first() {
-            let first = u64::from(first);
-            let near = |w: &[u32]| u64::from(w[1] - w[0]) <= GAP && u64::from(w[1]) - first < RUN;
-            let together = 1 + rest.windows(2).take_while(|w| near(w)).count();
-            let (run, others) = rest.split_at(together);
-            let end = u64::from(run[run.len() - 1]) + 1;
-            let piece = self.slice(first..end)?.positions;
-            found.extend(run.iter().map(|&v| piece[(u64::from(v) - first) as usize]));
-            rest = others;
-        }
-        Ok(found)
+        let indices: Vec<u64> = to_u32(values).into_iter().map(u64::from).collect();
+        let lengths: Vec<usize> = (0..count).map(|row| lengths.get(row)).collect();
+        cut(&indices, &lengths, |ids| Ok(self.slice(ids)?.positions))
     }
 }
 

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub fn landscape(columns: u32, rows: u32, seed: u64) -> TriMesh {
     let (columns, rows) = (columns.max(1), rows.max(1));
     let row = |j: u32| {
-        let vertex = move |i| Vec3::new(i as f32, height(i, j, seed) as f32, j as f32);
+        let vertex = move |i| Vec3::new(i as f32, landscape_height(i, j, seed), j as f32);
         (0..=columns).map(vertex)
     };
     let positions = (0..=rows).into_par_iter().flat_map_iter(row).collect();
@@ -26,7 +26,10 @@ pub fn landscape(columns: u32, rows: u32, seed: u64) -> TriMesh {
     TriMesh::new(positions, quads(columns, rows, vertex))
 }
 
-fn height(i: u32, j: u32, seed: u64) -> f64 {
+/// Height of [`landscape`] at the vertex in column `i` of row `j`, for land that is too
+/// large to be in memory.
+#[must_use]
+pub fn landscape_height(i: u32, j: u32, seed: u64) -> f32 {
     let octave = |o: u32| {
         let wave = f64::from(1024 >> o);
         let noise = value_noise(
@@ -36,7 +39,7 @@ fn height(i: u32, j: u32, seed: u64) -> f64 {
         );
         noise * 90.0 / f64::from(1 << o)
     };
-    (0..10).map(octave).sum()
+    (0..10).map(octave).sum::<f64>() as f32
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub use faulty::{
 };
 pub(super) use grid::value_noise;
 pub use grid::{grid, height_grid, terrain};
-pub use landscape::landscape;
+pub use landscape::{landscape, landscape_height};
 pub use one_sided::{klein_bottle, moebius};
 pub use sphere::{icosphere, uv_sphere};
 pub use textured::{loaded_sphere, textured_sphere};
