@@ -5,19 +5,21 @@ use karui::{
     Scene, TriMesh,
     geom::{Mat4, Vec3},
     mesh::{Node, Placements, Transform, shapes},
+    outofcore::Source,
 };
 use karui_io::{GltfOptions, WriteOptions, slices};
 use std::{fs, path::Path, sync::Arc};
 
 /// The mesh read whole, without what slices leave aside.
-fn whole(path: &Path, normals: bool) -> TriMesh {
+fn whole(path: &Path, source: &dyn Source) -> TriMesh {
+    let found = source.read_vertices(0..1).unwrap().attributes;
     let mut mesh = karui_io::read(path).unwrap().into_single_mesh().unwrap();
-    mesh.attributes.skins.clear();
-    mesh.attributes.morphs.clear();
-    mesh.attributes.custom.clear();
-    if !normals {
-        mesh.attributes.normals = None;
-    }
+    let a = &mut mesh.attributes;
+    a.skins.clear();
+    a.morphs.clear();
+    a.custom.clear();
+    a.normals.take_if(|_| found.normals.is_none());
+    a.tangents.take_if(|_| found.tangents.is_none());
     mesh
 }
 
@@ -51,8 +53,7 @@ fn real_models() {
         }
         match slices::open(&path) {
             Ok(source) => {
-                let first = source.read_vertices(0..1).unwrap();
-                let mesh = whole(&path, first.attributes.normals.is_some());
+                let mesh = whole(&path, &*source);
                 assert_same(&*source, &mesh, 50_021, name);
                 println!(
                     "{name}: {} vertices, {} portions",
@@ -103,14 +104,7 @@ fn every_place_is_a_copy() {
         let path = folder.path().join(name);
         karui_io::write(&path, &scene()).unwrap();
         let source = slices::open(&path).unwrap();
-        let found = source.read_vertices(0..1).unwrap().attributes;
-        let mut mesh = karui_io::read(&path).unwrap().into_single_mesh().unwrap();
-        if found.normals.is_none() {
-            mesh.attributes.normals = None;
-        }
-        if found.tangents.is_none() {
-            mesh.attributes.tangents = None;
-        }
+        let mesh = whole(&path, &*source);
         assert_same(&*source, &mesh, 5_003, name);
         assert!(source.chunks() >= 2);
     }

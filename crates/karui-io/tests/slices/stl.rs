@@ -32,10 +32,10 @@ fn real_models() {
     }
 }
 
-/// A sphere of some facets.
-fn sphere(folder: &Path) -> Vec<u8> {
+/// A sphere of 20 facets, or 80.
+fn sphere(folder: &Path, subdivisions: u32) -> Vec<u8> {
     let path = folder.join("whole.stl");
-    let scene = karui::Scene::from_mesh(shapes::icosphere(1));
+    let scene = karui::Scene::from_mesh(shapes::icosphere(subdivisions));
     karui_io::write(&path, &scene).unwrap();
     fs::read(path).unwrap()
 }
@@ -43,8 +43,8 @@ fn sphere(folder: &Path) -> Vec<u8> {
 #[test]
 fn corners_are_numbered_by_facet() {
     let folder = tempfile::tempdir().unwrap();
-    let bytes = sphere(folder.path());
-    damaged_everywhere(&bytes, "a.stl");
+    damaged_everywhere(&sphere(folder.path(), 0), "a.stl");
+    let bytes = sphere(folder.path(), 1);
     // Without a name, the length tells.
     let path = folder.path().join("nameless");
     fs::write(&path, &bytes).unwrap();
@@ -69,7 +69,7 @@ fn corners_are_numbered_by_facet() {
 #[test]
 fn what_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
-    let good = sphere(folder.path());
+    let good = sphere(folder.path(), 1);
     let path = folder.path().join("a.stl");
     let error = |at: usize, bytes: &[u8]| {
         let mut bad = good.clone();
