@@ -35,7 +35,8 @@ impl PlaneSum {
             n.y * n.z,
             n.z * n.z,
         ];
-        let entries = products.map(|p| (p * ONE).round() as i64);
+        // Rounded by hand: `round` is a call into a library on plain x86-64.
+        let entries = products.map(|p| (p * ONE + 0.5f64.copysign(p)) as i64);
         self.merge(&Self { entries });
     }
 
@@ -51,8 +52,23 @@ impl PlaneSum {
     /// `offset` leads from the vertex to the point.
     #[must_use]
     pub fn cost(&self, offset: DVec3) -> f64 {
-        let [xx, xy, xz, yy, yz, zz] = self.entries.map(|e| e as f64 / ONE);
-        let DVec3 { x, y, z } = offset;
+        self.to_f64().cost(offset)
+    }
+
+    /// For several costs.
+    pub(super) fn to_f64(self) -> Quadric {
+        Quadric(self.entries.map(|e| e as f64 / ONE))
+    }
+}
+
+/// A [`PlaneSum`] that is complete.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quadric([f64; 6]);
+
+impl Quadric {
+    /// As [`PlaneSum::cost`].
+    pub fn cost(&self, DVec3 { x, y, z }: DVec3) -> f64 {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
         let squares = xx * x * x + yy * y * y + zz * z * z;
         let mixed = xy * x * y + xz * x * z + yz * y * z;
         // Below zero by rounding only; NaN stays.

@@ -1,6 +1,6 @@
 //! What the edges of a vertex cost, VC of the paper.
 
-use super::PlaneSum;
+use super::{PlaneSum, plane_sum::Quadric};
 use crate::{Error, Result};
 use glam::Vec3;
 use std::ops::Range;
@@ -30,7 +30,7 @@ pub fn vertex_costs(
     own: Range<usize>,
 ) -> Result<Vec<VertexCost>> {
     check(positions.len(), triangles, &own)?;
-    let planes = plane_sums(positions, triangles);
+    let planes = quadrics(positions, triangles);
     let (starts, mut neighbours) = neighbours(triangles, &own);
     let mut costs = Vec::with_capacity(own.len());
     let mut edges = Vec::new();
@@ -82,7 +82,7 @@ fn check(vertices: usize, triangles: &[[u32; 3]], own: &Range<usize>) -> Result<
     }
 }
 
-fn plane_sums(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<PlaneSum> {
+fn quadrics(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Quadric> {
     let mut sums = vec![PlaneSum::default(); positions.len()];
     for triangle in triangles {
         let mut plane = PlaneSum::default();
@@ -91,7 +91,7 @@ fn plane_sums(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<PlaneSum> {
             sums[v as usize].merge(&plane);
         }
     }
-    sums
+    sums.into_iter().map(PlaneSum::to_f64).collect()
 }
 
 /// The other corners of the triangles at each of the vertices `own`, one list after the
