@@ -38,18 +38,29 @@ pub struct CutArgs {
     /// Triangles of a block [default: as many as let two fit the memory]
     #[arg(long, value_name = "COUNT")]
     pub block_triangles: Option<u64>,
-    /// Cut the model into slabs across its longest axis instead of cells
-    #[arg(long)]
-    pub sweep: bool,
+    /// How the model is cut [default: cells]
+    #[arg(long, value_name = "HOW")]
+    pub cut: Option<Cut>,
+}
+
+/// How a model is cut.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum Cut {
+    /// Cubes: short borders
+    Cells,
+    /// Slabs across the longest axis with as much to collapse each
+    Sweep,
+    /// Slabs of as many triangles each
+    Slabs,
 }
 
 impl CutArgs {
     /// Refuses to cut what is not to be cut.
     pub fn refuse(&self) -> Result<()> {
-        if self.block_triangles.is_none() && !self.sweep {
+        if self.block_triangles.is_none() && self.cut.is_none() {
             return Ok(());
         }
-        let message = "--block-triangles and --sweep need --memory-limit";
+        let message = "--block-triangles and --cut need --memory-limit";
         Err(Failure::input(message).into())
     }
 }
@@ -71,9 +82,10 @@ impl BlockArgs {
             ratio: target.ratio,
             error: target.error,
             block_triangles: self.cut.block_triangles.unwrap_or_else(fitting),
-            scheme: match self.cut.sweep {
-                true => Scheme::Sweep,
-                false => Scheme::Cells,
+            scheme: match self.cut.cut {
+                None | Some(Cut::Cells) => Scheme::Cells,
+                Some(Cut::Sweep) => Scheme::Sweep,
+                Some(Cut::Slabs) => Scheme::Slabs,
             },
         }
     }

@@ -65,11 +65,17 @@ pub(super) struct Page {
 }
 
 /// So many triangles from this key on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Sample {
     pub key: u64,
     pub triangles: u32,
+    /// Costs of collapses there: the middles of eight equal parts, as [`super::load`] has
+    /// them. 0 where nobody has looked.
+    pub costs: [u16; COSTS],
 }
+
+/// Costs of a sample.
+pub(super) const COSTS: usize = 8;
 
 /// Rims whose places have the same hash.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -142,6 +148,7 @@ impl Head {
         for sample in &self.samples {
             bytes.extend(sample.key.to_le_bytes());
             bytes.extend(sample.triangles.to_le_bytes());
+            bytes.extend(sample.costs.map(u16::to_le_bytes).as_flattened());
         }
         length(&mut bytes, self.buckets.len());
         for bucket in &self.buckets {
@@ -182,6 +189,7 @@ impl Head {
             Some(Sample {
                 key: r.u64()?,
                 triangles: r.u32()?,
+                costs: r.words()?,
             })
         })?;
         let count = r.u32()? as usize;

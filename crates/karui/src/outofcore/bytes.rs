@@ -22,6 +22,15 @@ impl<'a> Reader<'a> {
         self.array::<1>().map(|[byte]| byte)
     }
 
+    /// So many words of 16 bits.
+    pub fn words<const N: usize>(&mut self) -> Option<[u16; N]> {
+        let mut words = [0; N];
+        for word in &mut words {
+            *word = u16::from_le_bytes(self.array()?);
+        }
+        Some(words)
+    }
+
     pub fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }

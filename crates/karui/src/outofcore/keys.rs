@@ -12,8 +12,10 @@ pub enum Scheme {
     /// Cubes halved along one axis after the other (a Morton curve): short borders.
     #[default]
     Cells,
-    /// Slabs across the longest axis, as in the paper.
+    /// Slabs across the longest axis with as much to collapse each, as in the paper.
     Sweep,
+    /// Slabs of as many triangles each, for comparison.
+    Slabs,
 }
 
 /// From triangles to keys.
@@ -75,7 +77,7 @@ impl Keys {
                 let [x, y, z] = cell.map(spread);
                 x << 2 | y << 1 | z
             }
-            Scheme::Sweep => {
+            Scheme::Sweep | Scheme::Slabs => {
                 let steps = (1u64 << BITS) as f64;
                 ((place[self.axis] * steps) as u64).min((1 << BITS) - 1)
             }

@@ -15,6 +15,10 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 pub enum Kind {
     /// Finds the box around a range of vertices.
     Bounds,
+    /// Finds which vertices portions of faces use, where these are scattered.
+    Scan,
+    /// Reads ranges of vertices for all portions that use some.
+    Fetch,
     /// Reads portions of faces with their vertices, and sorts them by key.
     Read,
     /// Finds places that several regions share.
@@ -29,6 +33,8 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Bounds => "bounds",
+            Self::Scan => "scan",
+            Self::Fetch => "fetch",
             Self::Read => "read",
             Self::Borders => "borders",
             Self::Simplify => "simplify",
@@ -55,6 +61,8 @@ pub struct Phase {
     pub last: bool,
     /// Bound on the error of this level, model units.
     pub(super) error: Option<f64>,
+    /// Vertices of a range, while reading.
+    pub(super) range: u64,
     /// Keys by which its input is sorted; none while reading.
     pub(super) keys: Option<Keys>,
     /// Keys by which its output is sorted.
@@ -262,6 +270,7 @@ pub(super) fn bounds(plan: &Plan) -> Manifest {
         target: 0,
         last: false,
         error: None,
+        range: 0,
         keys: None,
         next: None,
         cuts: Vec::new(),

@@ -9,6 +9,8 @@
 //! that in this process.
 //!
 //! - *bounds*: the box around the vertices;
+//! - *scan*, *fetch*: where faces use vertices from all over, these are sorted by range and
+//!   brought to them, so that the input is read from front to back;
 //! - *read*: portions of faces, joined with their vertices, sorted by a key of their place;
 //! - *borders*: places that several regions (ranges of keys) share;
 //! - *simplify*: each region, its borders held.
@@ -26,13 +28,16 @@ mod cut;
 mod drive;
 mod error;
 mod fans;
+mod join;
 mod keys;
+mod load;
 mod manifest;
 mod next;
 mod pack;
 mod plan;
 mod read;
 mod region;
+mod sections;
 mod share;
 mod source;
 mod store;

@@ -38,7 +38,7 @@ pub fn next(store: &dyn Store, plan: &Plan) -> Result<Next> {
         if manifest.phase.last {
             return Ok(Next::Done(manifest));
         }
-        let name = following(&manifest.phase);
+        let name = following(plan, &manifest.phase);
         manifest = match Manifest::load(store, &name) {
             Err(Error::Missing { .. } | Error::Damaged { .. }) => {
                 saved(store, after(store, plan, &manifest, &results)?)?
@@ -70,9 +70,11 @@ fn saved(store: &dyn Store, manifest: Manifest) -> Result<Manifest> {
 }
 
 /// Name of the manifest of the phase after this one.
-fn following(phase: &Phase) -> String {
+fn following(plan: &Plan, phase: &Phase) -> String {
     let kind = match phase.kind {
-        Kind::Bounds => Kind::Read,
+        Kind::Bounds if plan.scattered => Kind::Scan,
+        Kind::Scan => Kind::Fetch,
+        Kind::Bounds | Kind::Fetch => Kind::Read,
         Kind::Read | Kind::Simplify => Kind::Borders,
         Kind::Borders => Kind::Simplify,
     };
@@ -87,18 +89,19 @@ fn after(
     results: &[RowResult],
 ) -> Result<Manifest> {
     match manifest.phase.kind {
-        Kind::Bounds => reading(store, plan, manifest, results),
+        Kind::Bounds => {
+            let keys = keys(store, plan, results)?;
+            Ok(reading(plan, &manifest.phase, Some(keys), &[]))
+        }
+        Kind::Scan => Ok(fetching(plan, manifest, results)),
+        Kind::Fetch => Ok(reading(plan, &manifest.phase, manifest.phase.next.clone(), results)),
         Kind::Read | Kind::Simplify => bordering(store, plan, manifest, results),
-        Kind::Borders => simplifying(store, plan, manifest, results),
+        Kind::Borders => simplifying(store, manifest, results),
     }
 }
 
-fn reading(
-    store: &dyn Store,
-    plan: &Plan,
-    manifest: &Manifest,
-    results: &[RowResult],
-) -> Result<Manifest> {
+/// Keys of the first level, from boxes around all vertices.
+fn keys(store: &dyn Store, plan: &Plan, results: &[RowResult]) -> Result<Keys> {
     let mut corners = [[f32::MAX; 3], [f32::MIN; 3]];
     for result in results {
         let [min, max] = read_bounds(store, &result.output)?;
@@ -107,14 +110,42 @@ fn reading(
             corners[1][i] = corners[1][i].max(max[i]);
         }
     }
+    Ok(Keys::of(&plan.options, corners, 0))
+}
+
+/// Portions of faces to be scanned, or read.
+fn reading(plan: &Plan, before: &Phase, next: Option<Keys>, fetched: &[RowResult]) -> Manifest {
+    let scans = plan.scattered && before.kind == Kind::Bounds;
     let phase = Phase {
-        number: 1,
-        kind: Kind::Read,
-        next: Some(Keys::of(&plan.options, corners, 0)),
-        ..manifest.phase.clone()
+        number: before.number + 1,
+        kind: if scans { Kind::Scan } else { Kind::Read },
+        range: plan.options.block_triangles,
+        next,
+        ..before.clone()
     };
     let portions = (plan.options.block_triangles / PORTION).max(1);
-    Ok(rows(phase, plan.chunks, portions, ".block"))
+    let kind = if scans { ".ids" } else { ".block" };
+    let mut manifest = rows(phase, plan.chunks, portions, kind);
+    let inputs: Vec<_> = fetched.iter().map(|r| (r.output.clone(), 0, 0)).collect();
+    for row in &mut manifest.rows {
+        row.inputs.clone_from(&inputs);
+    }
+    manifest
+}
+
+/// Ranges of vertices to be read for all portions.
+fn fetching(plan: &Plan, scanned: &Manifest, results: &[RowResult]) -> Manifest {
+    let phase = Phase {
+        number: scanned.phase.number + 1,
+        kind: Kind::Fetch,
+        ..scanned.phase.clone()
+    };
+    let mut manifest = rows(phase, plan.vertices, plan.options.block_triangles, ".vertices");
+    let inputs: Vec<_> = results.iter().map(|r| (r.output.clone(), 0, 0)).collect();
+    for row in &mut manifest.rows {
+        row.inputs.clone_from(&inputs);
+    }
+    manifest
 }
 
 fn bordering(
@@ -138,7 +169,9 @@ fn bordering(
         _ => before.whole,
     };
     let options = &plan.options;
-    let cuts = cut(&heads, options.block_triangles, options.scheme, level);
+    let wanted = options.target(whole).min(triangles);
+    let gone = 1.0 - wanted as f64 / triangles as f64;
+    let cuts = cut(&heads, options.block_triangles, options.scheme, level, gone);
     let last = cuts.len() == 1 || level + 1 == LEVELS;
     let error = heads.iter().map(|h| h.error).fold(0.0, f64::max);
     let phase = Phase {
@@ -147,10 +180,11 @@ fn bordering(
         level,
         triangles,
         whole,
-        target: target(options.target(whole).min(triangles), triangles, last),
+        target: target(wanted, triangles, last),
         error: options.error.map(|bound| left(bound, error, last)),
         last: false,
         keys: before.next.clone(),
+        range: 0,
         next: before.next.as_ref().map(|keys| keys.at_level(level + 1)),
         cuts,
         borders: Vec::new(),
@@ -199,7 +233,6 @@ fn left(bound: f64, error: f64, last: bool) -> f64 {
 
 fn simplifying(
     store: &dyn Store,
-    _plan: &Plan,
     manifest: &Manifest,
     results: &[RowResult],
 ) -> Result<Manifest> {

@@ -1,7 +1,7 @@
 //! Makes a block of a mesh: triangles by key, in pages.
 
 use super::Result;
-use super::block::{BUCKETS, Bucket, Head, Page, Place, Rim, Sample};
+use super::block::{BUCKETS, Bucket, COSTS, Head, Page, Place, Rim, Sample};
 use super::block::{block_bytes, place, rim_bytes};
 use super::bytes::{put_triples, put_values};
 use super::checksum::{checksum, mixed};
@@ -20,6 +20,8 @@ pub(super) struct Contents<'a> {
     pub positions: &'a [Vec3],
     pub triangles: &'a [[u32; 3]],
     pub columns: &'a [Attribute],
+    /// What collapses cost at each vertex ([`super::load`]), if somebody has looked.
+    pub costs: Option<&'a [u16]>,
 }
 
 /// The bytes of a block; `head` brings level, number, error and price.
@@ -51,7 +53,7 @@ pub(super) fn pack(contents: &Contents<'_>, keys: &Keys, head: Head) -> Result<(
         head.vertices += u64::from(vertices);
         pages.push(bytes);
     }
-    head.samples = samples(&sorted);
+    head.samples = samples(contents, &sorted);
     let buckets = rims(contents, &sorted, is_rim);
     head.buckets = buckets.iter().map(|rims| bucket(rims)).collect();
     let bytes = block_bytes(&head, &pages, &buckets);
@@ -92,23 +94,39 @@ fn runs(mut sorted: &[(u64, u32)]) -> Vec<&[(u64, u32)]> {
     runs
 }
 
-fn samples(sorted: &[(u64, u32)]) -> Vec<Sample> {
-    let sample = |few: &[(u64, u32)]| Sample {
-        key: few[0].0,
-        triangles: few.len() as u32,
-    };
-    let same = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
+fn samples(contents: &Contents<'_>, sorted: &[(u64, u32)]) -> Vec<Sample> {
     let mut samples: Vec<Sample> = Vec::new();
+    let mut start = 0;
+    let mut end = 0;
+    let mut close = |range: std::ops::Range<usize>| {
+        let few = &sorted[range];
+        samples.extend(few.first().map(|&(key, _)| Sample {
+            key,
+            triangles: few.len() as u32,
+            costs: costs(contents, few),
+        }));
+    };
     // Triangles of one key stay together: they cannot be cut apart.
-    for run in sorted.chunk_by(same) {
-        match samples.last_mut() {
-            Some(last) if last.triangles as usize + run.len() <= SAMPLE => {
-                last.triangles += run.len() as u32;
-            }
-            _ => samples.push(sample(run)),
+    for run in sorted.chunk_by(|a, b| a.0 == b.0) {
+        if end - start + run.len() > SAMPLE {
+            close(start..end);
+            start = end;
         }
+        end += run.len();
     }
+    close(start..end);
     samples
+}
+
+/// Costs at the corners of some triangles: the middles of equal parts.
+fn costs(contents: &Contents<'_>, few: &[(u64, u32)]) -> [u16; COSTS] {
+    let Some(costs) = contents.costs else {
+        return [0; COSTS];
+    };
+    let corners = few.iter().flat_map(|&(_, t)| contents.triangles[t as usize]);
+    let mut all: Vec<u16> = corners.map(|v| costs[v as usize]).collect();
+    all.sort_unstable();
+    std::array::from_fn(|i| all[(2 * i + 1) * all.len() / (2 * COSTS)])
 }
 
 /// Rims as bytes by bucket, each in order and once.

@@ -1,6 +1,7 @@
 //! What is to be done, decided before anything is read.
 
 use super::keys::Scheme;
+use super::join::{SCATTERED, reach};
 use super::{Error, Result, Source, Store};
 use serde::{Deserialize, Serialize};
 
@@ -84,6 +85,21 @@ impl PlanOptions {
     }
 }
 
+/// Portions that are looked at to tell whether a model is scattered.
+const LOOKS: u64 = 8;
+
+fn is_scattered(source: &dyn Source) -> Result<bool> {
+    let chunks = source.chunks();
+    let looks = chunks.min(LOOKS);
+    let [mut used, mut passed] = [0, 0];
+    for look in 0..looks {
+        let reach = reach(&source.read_triangles(look * chunks / looks)?);
+        used += reach.used;
+        passed += reach.passed;
+    }
+    Ok(passed > SCATTERED * used)
+}
+
 const LEAST_BLOCK: u64 = 64;
 const MOST_BLOCK: u64 = 1 << 28;
 
@@ -98,6 +114,9 @@ pub struct Plan {
     pub vertices: u64,
     /// Portions its faces come in.
     pub chunks: u64,
+    /// Whether triangles use vertices from all over the model, so that these are brought
+    /// to them by sorting.
+    pub scattered: bool,
     /// What is to be done.
     pub options: PlanOptions,
 }
@@ -107,10 +126,10 @@ pub const PLAN: &str = "plan.json";
 const VERSION: u32 = 1;
 
 impl Plan {
-    /// What to do with `source`, which is found at `uri`.
+    /// What to do with `source`, which is found at `uri`. Reads some portions of its faces.
     ///
     /// # Errors
-    /// [`crate::Error::BadOption`] for an option out of its range.
+    /// [`crate::Error::BadOption`] for an option out of its range; those of the source.
     pub fn new(source: &dyn Source, uri: &str, options: PlanOptions) -> Result<Self> {
         options.check()?;
         Ok(Self {
@@ -118,6 +137,7 @@ impl Plan {
             source: uri.to_owned(),
             vertices: source.vertices(),
             chunks: source.chunks(),
+            scattered: is_scattered(source)?,
             options,
         })
     }

@@ -4,7 +4,9 @@ use super::block::Head;
 use super::columns::columns;
 use super::manifest::{Phase, Row};
 use super::pack::{Contents, pack};
-use super::{Error, Result, Source, Vertices};
+use super::join::fetched;
+use super::load::costs;
+use super::{Error, Result, Source, Store, Vertices};
 use crate::mesh::Attribute;
 use glam::Vec3;
 use std::ops::Range;
@@ -20,19 +22,25 @@ const DENSE: u64 = 4;
 ///
 /// # Errors
 /// Those of the source; [`Error::IndexOutOfRange`], [`Error::NotFinite`].
-pub(super) fn read(source: &dyn Source, phase: &Phase, row: &Row) -> Result<Vec<u8>> {
-    let mut triangles = Vec::new();
-    for chunk in row.first..row.end {
-        triangles.extend(source.read_triangles(chunk)?);
-    }
-    check(&triangles, row, source.vertices())?;
+pub(super) fn read(
+    store: &dyn Store,
+    source: &dyn Source,
+    phase: &Phase,
+    row: &Row,
+) -> Result<Vec<u8>> {
+    let triangles = triangles(source, row)?;
     let (ids, local) = numbered(&triangles);
     drop(triangles);
-    let (positions, columns) = vertices(source, &ids)?;
+    let (positions, columns) = match row.inputs.is_empty() {
+        true => vertices(source, &ids)?,
+        false => fetched(store, row, ids.len())?,
+    };
+    let costs = costs(&positions, &local)?;
     let contents = Contents {
         positions: &positions,
         triangles: &local,
         columns: &columns,
+        costs: Some(&costs),
     };
     let head = Head {
         number: row.id,
@@ -40,6 +48,19 @@ pub(super) fn read(source: &dyn Source, phase: &Phase, row: &Row) -> Result<Vec<
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
     Ok(pack(&contents, keys, head)?.1)
+}
+
+/// The triangles of the portions that `row` names, checked.
+///
+/// # Errors
+/// Those of the source; [`Error::IndexOutOfRange`].
+pub(super) fn triangles(source: &dyn Source, row: &Row) -> Result<Vec<[u64; 3]>> {
+    let mut triangles = Vec::new();
+    for chunk in row.first..row.end {
+        triangles.extend(source.read_triangles(chunk)?);
+    }
+    check(&triangles, row, source.vertices())?;
+    Ok(triangles)
 }
 
 /// Triangle numbers in errors count from the first portion of the row.
@@ -56,7 +77,7 @@ fn check(triangles: &[[u64; 3]], row: &Row, vertices: u64) -> Result<()> {
 }
 
 /// The ids in use, in order, and the triangles by their places among them.
-fn numbered(triangles: &[[u64; 3]]) -> (Vec<u64>, Vec<[u32; 3]>) {
+pub(super) fn numbered(triangles: &[[u64; 3]]) -> (Vec<u64>, Vec<[u32; 3]>) {
     let corners = triangles.as_flattened();
     let least = corners.iter().copied().min().unwrap_or(0);
     let end = corners.iter().copied().max().map_or(0, |most| most + 1);
@@ -88,7 +109,7 @@ fn searched(triangles: &[[u64; 3]]) -> (Vec<u64>, Vec<[u32; 3]>) {
 }
 
 /// The vertices of these ids, which ascend.
-fn vertices(source: &dyn Source, ids: &[u64]) -> Result<(Vec<Vec3>, Vec<Attribute>)> {
+pub(super) fn vertices(source: &dyn Source, ids: &[u64]) -> Result<(Vec<Vec3>, Vec<Attribute>)> {
     let mut positions = Vec::with_capacity(ids.len());
     let mut all: Vec<Attribute> = Vec::new();
     let mut rest = ids;

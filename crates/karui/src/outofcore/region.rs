@@ -70,6 +70,7 @@ pub(super) fn region(
         positions: &coarse.positions,
         triangles: &coarse.triangles,
         columns: &columns,
+        costs: None,
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
     Ok(pack(&contents, keys, head)?.1)

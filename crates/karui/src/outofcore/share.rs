@@ -2,6 +2,7 @@
 
 use super::block::Head;
 use super::borders::region_of;
+use super::load::{distance, is_known};
 
 /// A region's part.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -15,31 +16,45 @@ pub(super) struct Share {
 /// Steps in which the price of a block counts.
 const STEPS: f64 = (1u64 << 24) as f64;
 
+/// Times the mean that a sample counts at most.
+const MOST: f64 = 64.0;
+
 /// Deals `target` triangles to the regions.
 ///
 /// The error of a surface falls as the inverse of its triangles. What a block has been
 /// simplified to with error e would thus, at error 1, have e times as many triangles: regions
-/// get theirs in proportion, so that all end with about the same error. Where nothing has
-/// been simplified yet, all count the same.
+/// get theirs in proportion, so that all end with about the same error. Before the first
+/// level it is what collapses cost at first that counts, and that only half: noise of the
+/// surface says little of what is below it.
 pub(super) fn share(heads: &[Head], cuts: &[u64], target: u64) -> Vec<Share> {
     let dearest = heads.iter().map(|h| h.price).fold(0.0, f64::max);
+    let mean = if is_known(heads) { mean(heads) } else { 0.0 };
     let mut shares = vec![Share::default(); cuts.len()];
     let mut wants = vec![0u128; cuts.len()];
     for head in heads {
-        let price = if dearest > 0.0 {
-            head.price / dearest
-        } else {
-            1.0
-        };
-        let steps = 1 + (price * STEPS) as u128;
         for sample in &head.samples {
+            let price = if dearest > 0.0 {
+                head.price / dearest
+            } else if mean > 0.0 {
+                (1.0 + (distance(sample) / mean).min(MOST)) / 2.0
+            } else {
+                1.0
+            };
             let region = region_of(cuts, sample.key);
             shares[region].triangles += u64::from(sample.triangles);
-            wants[region] += steps * u128::from(sample.triangles);
+            wants[region] += (1 + (price * STEPS) as u128) * u128::from(sample.triangles);
         }
     }
     deal(&mut shares, &wants, target);
     shares
+}
+
+/// Mean over all triangles of what collapses cost, model units.
+fn mean(heads: &[Head]) -> f64 {
+    let samples = || heads.iter().flat_map(|h| &h.samples);
+    let triangles: u64 = samples().map(|s| u64::from(s.triangles)).sum();
+    let sum: f64 = samples().map(|s| distance(s) * f64::from(s.triangles)).sum();
+    sum / triangles.max(1) as f64
 }
 
 /// In proportion to what is wanted; who wants more than there is keeps all, and the rest

@@ -3,6 +3,7 @@
 use super::block::Block;
 use super::borders::borders;
 use super::checksum::checksum;
+use super::join::{fetch, scan};
 use super::manifest::{Kind, Manifest, Row, RowResult};
 use super::read::read;
 use super::region::region;
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// Runs row `row` of `manifest`: reads what it names, puts its output into the store. The
 /// same row run twice, by whomever, puts the same bytes. `source` is only read by rows of
-/// [`Kind::Bounds`] and [`Kind::Read`]. `progress` is asked whether to go on.
+/// [`Kind::Bounds`], [`Kind::Scan`], [`Kind::Fetch`] and [`Kind::Read`]. `progress` is asked whether to go on.
 ///
 /// # Errors
 /// [`Error::NoRow`]; what the source, the store and the simplifier find;
@@ -29,7 +30,9 @@ pub fn run_task(
     let phase = &manifest.phase;
     let bytes = match phase.kind {
         Kind::Bounds => bounds(source, row)?,
-        Kind::Read => read(source, phase, row)?,
+        Kind::Scan => scan(source, phase, row)?,
+        Kind::Fetch => fetch(store, source, phase, row)?,
+        Kind::Read => read(store, source, phase, row)?,
         Kind::Borders => borders(store, phase, row)?,
         Kind::Simplify => region(store, phase, row, progress)?,
     };
@@ -49,6 +52,7 @@ pub fn verify_task(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<R
         Kind::Read | Kind::Simplify => Block::open(store, &row.output)?.verify()?,
         Kind::Bounds => drop(read_bounds(store, &row.output)?),
         Kind::Borders => super::borders::verify(store, &row.output)?,
+        Kind::Scan | Kind::Fetch => super::sections::Sections::open(store, &row.output)?.verify()?,
     }
     found(store, manifest, row.id)
 }
