@@ -97,7 +97,8 @@ fn step(folder: &Path, console: &Console) -> Result<()> {
     let work = Work::open(folder)?;
     if let Next::Run(manifest) = next(&work.store, &work.plan).map_err(told)? {
         let found = |row: u64| outofcore::verify_task(&work.store, &manifest, row);
-        let results: outofcore::Result<Vec<_>> = (0..manifest.rows.len() as u64).map(found).collect();
+        let results: outofcore::Result<Vec<_>> =
+            (0..manifest.rows.len() as u64).map(found).collect();
         match results {
             Ok(results) => manifest.commit(&work.store, results).map_err(told)?,
             Err(error) if error.lost().is_some() => {}

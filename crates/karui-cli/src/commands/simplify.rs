@@ -5,7 +5,7 @@ use crate::args::{SimplifyArgs, WriteArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::outofcore::{BlockArgs, CutArgs, TargetArgs, Work, finish, memory};
+use crate::outofcore::{BlockArgs, CutArgs, TargetArgs, Work, finish, memory, told};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, percent, seconds};
 use crate::{explain, output};
@@ -154,6 +154,7 @@ fn in_blocks(args: &Args, memory: u64, console: &Console) -> Result<()> {
     };
     let folder = args.large.work.clone().unwrap_or_else(beside);
     let work = Work::create(&args.input, &folder, blocks.options(&target))?;
+    work.store.sweep().map_err(told)?;
     let last = work.run(memory, plan::threads(), console)?;
     let summary = work.write(&last, &args.output, console)?;
     if !args.large.keep_work {

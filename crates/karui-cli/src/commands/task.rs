@@ -38,7 +38,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         return Err(Failure::input("the manifest has no name").into());
     };
     let folder = args.manifest.parent().unwrap_or(Path::new("."));
-    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let folder = if folder == Path::new("") {
+        Path::new(".")
+    } else {
+        folder
+    };
     let work = Work::open(folder)?;
     let manifest = Manifest::load(&work.store, name).map_err(told)?;
     let observer = observer(true);

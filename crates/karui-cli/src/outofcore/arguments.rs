@@ -48,7 +48,7 @@ pub struct CutArgs {
 pub enum Cut {
     /// Cubes: short borders
     Cells,
-    /// Slabs across the longest axis with as much to collapse each
+    /// Slabs across the longest axis that are as much work each
     Sweep,
     /// Slabs of as many triangles each
     Slabs,

@@ -13,7 +13,8 @@ pub fn told(error: Error) -> anyhow::Error {
         },
         Error::Store { path, cause } => Failure::output(&path, &cause).into(),
         Error::Damaged { .. } => {
-            let hint = "`karui plan verify` tells what is damaged; `karui plan resume` makes it anew";
+            let hint =
+                "`karui plan verify` tells what is damaged; `karui plan resume` makes it anew";
             Failure::check(error.to_string()).hint(hint).into()
         }
         Error::OtherPlan { .. } => {

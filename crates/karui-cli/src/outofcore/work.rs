@@ -43,7 +43,9 @@ impl Work {
         let plan = Plan::load(&store).map_err(|error| match error {
             Error::Missing { .. } => {
                 let message = format!("{} holds no plan", folder.display());
-                Failure::input(message).hint("make one with `karui plan new`").into()
+                Failure::input(message)
+                    .hint("make one with `karui plan new`")
+                    .into()
             }
             error => told(error),
         })?;

@@ -265,11 +265,9 @@ impl<'a> Block<'a> {
         let (Some(before), Some(wanted)) = (before, wanted) else {
             return Err(damaged("it has fewer pages"));
         };
-        let bytes = |pages: &[Page]| pages.iter().map(|p| p.bytes).sum::<u64>();
-        let start = self.body + bytes(before);
-        let bytes = self
-            .store
-            .get_range(self.name, start..start + bytes(wanted))?;
+        let start = self.body.saturating_add(bytes_of(before));
+        let end = start.saturating_add(bytes_of(wanted));
+        let bytes = self.store.get_range(self.name, start..end)?;
         let mut reader = Reader(&bytes);
         let parts = wanted.iter().map(|page| {
             let bytes = reader.take(page.bytes as usize).unwrap_or_default();
@@ -294,11 +292,13 @@ impl<'a> Block<'a> {
             return Err(damaged("it has fewer buckets of rims"));
         };
         let bytes = |b: &[Bucket]| b.iter().map(|b| u64::from(b.rims) * RIM).sum::<u64>();
-        let pages: u64 = self.head.pages.iter().map(|p| p.bytes).sum();
-        let start = self.body + pages + bytes(before);
-        let all = self
-            .store
-            .get_range(self.name, start..start + bytes(wanted))?;
+        let pages = bytes_of(&self.head.pages);
+        let start = self
+            .body
+            .saturating_add(pages)
+            .saturating_add(bytes(before));
+        let end = start.saturating_add(bytes(wanted));
+        let all = self.store.get_range(self.name, start..end)?;
         let mut reader = Reader(&all);
         let mut rims = Vec::new();
         for bucket in wanted {
@@ -321,6 +321,22 @@ impl<'a> Block<'a> {
         }
         self.rims(0..self.head.buckets.len()).map(drop)
     }
+}
+
+/// Bytes of some pages; a damaged head may say anything.
+fn bytes_of(pages: &[Page]) -> u64 {
+    let sum = |sum: u64, page: &Page| sum.saturating_add(page.bytes);
+    pages.iter().fold(0, sum)
+}
+
+/// Reads the whole of a block; the number of its triangles.
+///
+/// # Errors
+/// [`Error::Missing`], [`Error::Damaged`], those of the store.
+pub fn verify_block(store: &dyn Store, name: &str) -> Result<u64> {
+    let block = Block::open(store, name)?;
+    block.verify()?;
+    Ok(block.head.triangles)
 }
 
 fn damaged(name: &str, problem: &'static str) -> Error {

@@ -91,7 +91,8 @@ fn places(store: &dyn Store, name: &str, region: usize) -> Result<Vec<Place>> {
 fn of_body(body: &[u8], regions: usize, region: usize) -> Option<Vec<Place>> {
     let mut reader = Reader(body);
     let counts = reader.many(regions, Reader::u64)?;
-    let before: u64 = counts.get(..region)?.iter().sum();
+    let add = |sum: u64, &count: &u64| sum.checked_add(count);
+    let before = counts.get(..region)?.iter().try_fold(0, add)?;
     reader.take(usize::try_from(before.checked_mul(12)?).ok()?)?;
     let count = counts.get(region).copied().unwrap_or_default();
     Some(reader.triples(usize::try_from(count).ok()?)?.collect())

@@ -4,7 +4,8 @@ const MIX: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Hash of some bytes, the same on every machine. A flipped bit always changes it: each
 /// step is a bijection of what was before.
-pub(super) fn checksum(bytes: &[u8]) -> u64 {
+#[must_use]
+pub fn checksum(bytes: &[u8]) -> u64 {
     // Four lanes, so that one multiplication need not wait for the last.
     let mut lanes = [1, 2, 3, 4].map(|lane: u64| lane.wrapping_mul(MIX) ^ bytes.len() as u64);
     let (blocks, rest) = bytes.as_chunks::<32>();

@@ -2,17 +2,11 @@
 
 use super::block::{Head, Sample};
 use super::keys::{BITS, Scheme};
-use super::load::likely;
+use super::load::loads;
 
 /// First key of every region, the first of them 0. Regions have at most `limit` triangles,
 /// unless more have the same key.
-pub(super) fn cut(
-    heads: &[Head],
-    limit: u64,
-    scheme: Scheme,
-    level: u32,
-    gone: f64,
-) -> Vec<u64> {
+pub(super) fn cut(heads: &[Head], limit: u64, scheme: Scheme, level: u32, gone: f64) -> Vec<u64> {
     let mut samples: Vec<Sample> = heads.iter().flat_map(|h| h.samples.clone()).collect();
     samples.sort_unstable();
     let counts = Counts::of(&samples);
@@ -27,7 +21,7 @@ pub(super) fn cut(
         }
         Scheme::Slabs => counts.swept(limit, level, &counts.before),
         Scheme::Sweep => {
-            let sums = likely(&samples, gone).into_iter().scan(0, |sum, load| {
+            let sums = loads(&samples, gone).into_iter().scan(0, |sum, load| {
                 *sum += load;
                 Some(*sum)
             });

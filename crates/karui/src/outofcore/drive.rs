@@ -232,7 +232,13 @@ pub fn rebuild(store: &dyn Store, source: &dyn Source, name: &str) -> Result<boo
 pub fn verify(store: &dyn Store) -> Result<Vec<String>> {
     let mut lost = Vec::new();
     for manifest in manifests(store)? {
-        let results = manifest.results(store)?;
+        let results = match manifest.results(store) {
+            Err(error) if error.lost().is_some() => {
+                lost.push(manifest.done_name());
+                None
+            }
+            results => results?,
+        };
         for row in &manifest.rows {
             let outcome = verify_task(store, &manifest, row.id);
             let expected = results.as_ref().map(|r| &r[row.id as usize]);

@@ -12,7 +12,7 @@ pub enum Scheme {
     /// Cubes halved along one axis after the other (a Morton curve): short borders.
     #[default]
     Cells,
-    /// Slabs across the longest axis with as much to collapse each, as in the paper.
+    /// Slabs across the longest axis that are as much work each, as in the paper.
     Sweep,
     /// Slabs of as many triangles each, for comparison.
     Slabs,

@@ -28,10 +28,15 @@ pub(super) fn distance(sample: &Sample) -> f64 {
     sample.costs.iter().map(value).sum::<f64>() / COSTS as f64
 }
 
-/// For every sample in `samples` how much is likely to be collapsed there if the share
-/// `gone` of all is: the base value of the paper, and what lies below it. All triangles if
-/// nobody has looked.
-pub(super) fn likely(samples: &[Sample], gone: f64) -> Vec<u64> {
+/// Of the work on a triangle, what is done once for each, and what is done in every round
+/// for those that stay, as measured on land whose one half is flat.
+const ONCE: u64 = 3;
+const STAYING: u64 = 4;
+
+/// How much work every sample is likely to be if the share `gone` of all is collapsed: the
+/// base value of the paper tells which vertices go. Where the paper counts these, what
+/// takes time here is what stays, which is priced again in every round.
+pub(super) fn loads(samples: &[Sample], gone: f64) -> Vec<u64> {
     let mut counts = vec![0u64; 1 << DROPPED];
     for sample in samples {
         for &key in &sample.costs {
@@ -46,10 +51,16 @@ pub(super) fn likely(samples: &[Sample], gone: f64) -> Vec<u64> {
         sum >= place
     });
     let base = base.unwrap_or(0);
-    let below = |s: &Sample| s.costs.iter().filter(|&&key| usize::from(key) <= base).count();
+    let stays = |s: &Sample| {
+        s.costs
+            .iter()
+            .filter(|&&key| usize::from(key) > base)
+            .count()
+    };
+    let load = |s: &Sample| ONCE * COSTS as u64 + STAYING * stays(s) as u64;
     samples
         .iter()
-        .map(|s| u64::from(s.triangles) * below(s) as u64)
+        .map(|s| u64::from(s.triangles) * load(s))
         .collect()
 }
 

@@ -63,6 +63,8 @@ pub struct Phase {
     pub(super) error: Option<f64>,
     /// Vertices of a range, while reading.
     pub(super) range: u64,
+    /// Triangles of a sample of the blocks that it makes.
+    pub(super) sample: u64,
     /// Keys by which its input is sorted; none while reading.
     pub(super) keys: Option<Keys>,
     /// Keys by which its output is sorted.
@@ -259,6 +261,13 @@ fn parsed<T: DeserializeOwned>(name: &str, line: usize, text: &str) -> Result<T>
     })
 }
 
+/// Triangles of a portion, about ([`Source::chunks`](super::Source::chunks)).
+pub(super) const PORTION: u64 = 1 << 16;
+/// Samples of a model, about, so that a plan of any size fits into memory.
+const SAMPLES: u64 = 1 << 21;
+/// Triangles of a sample at least.
+const LEAST_SAMPLE: u64 = 128;
+
 /// A first phase, of a plan of which nothing has been done.
 pub(super) fn bounds(plan: &Plan) -> Manifest {
     let phase = Phase {
@@ -271,6 +280,7 @@ pub(super) fn bounds(plan: &Plan) -> Manifest {
         last: false,
         error: None,
         range: 0,
+        sample: (plan.chunks * PORTION / SAMPLES).max(LEAST_SAMPLE),
         keys: None,
         next: None,
         cuts: Vec::new(),

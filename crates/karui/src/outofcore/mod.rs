@@ -45,6 +45,8 @@ mod task;
 mod weld;
 mod write;
 
+pub use block::verify_block;
+pub use checksum::checksum;
 pub use drive::{RunOptions, rebuild, run, verify};
 pub use error::{Error, Result};
 pub use keys::Scheme;

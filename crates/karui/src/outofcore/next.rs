@@ -3,7 +3,7 @@
 use super::block::{BUCKETS, Block, Head};
 use super::cut::cut;
 use super::keys::Keys;
-use super::manifest::{Kind, Manifest, Phase, RowResult, bounds, rows};
+use super::manifest::{Kind, Manifest, PORTION, Phase, RowResult, bounds, rows};
 use super::share::share;
 use super::task::read_bounds;
 use super::{Error, Plan, Result, Store};
@@ -11,8 +11,6 @@ use super::{Error, Plan, Result, Store};
 /// Levels at most. Each has its borders elsewhere; after three next to nothing of the first
 /// is left.
 const LEVELS: u32 = 3;
-/// Triangles of a portion, about ([`Source::chunks`](super::Source::chunks)).
-const PORTION: u64 = 1 << 16;
 
 /// Where the work stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +30,12 @@ pub enum Next {
 pub fn next(store: &dyn Store, plan: &Plan) -> Result<Next> {
     let mut manifest = saved(store, bounds(plan))?;
     loop {
-        let Some(results) = manifest.results(store)? else {
+        // Results that are damaged are found again: blocks that are there are not made anew.
+        let results = match manifest.results(store) {
+            Err(error) if error.lost().is_some() => None,
+            results => results?,
+        };
+        let Some(results) = results else {
             return Ok(Next::Run(manifest));
         };
         if manifest.phase.last {
@@ -94,7 +97,12 @@ fn after(
             Ok(reading(plan, &manifest.phase, Some(keys), &[]))
         }
         Kind::Scan => Ok(fetching(plan, manifest, results)),
-        Kind::Fetch => Ok(reading(plan, &manifest.phase, manifest.phase.next.clone(), results)),
+        Kind::Fetch => Ok(reading(
+            plan,
+            &manifest.phase,
+            manifest.phase.next.clone(),
+            results,
+        )),
         Kind::Read | Kind::Simplify => bordering(store, plan, manifest, results),
         Kind::Borders => simplifying(store, manifest, results),
     }
@@ -140,7 +148,12 @@ fn fetching(plan: &Plan, scanned: &Manifest, results: &[RowResult]) -> Manifest 
         kind: Kind::Fetch,
         ..scanned.phase.clone()
     };
-    let mut manifest = rows(phase, plan.vertices, plan.options.block_triangles, ".vertices");
+    let mut manifest = rows(
+        phase,
+        plan.vertices,
+        plan.options.block_triangles,
+        ".vertices",
+    );
     let inputs: Vec<_> = results.iter().map(|r| (r.output.clone(), 0, 0)).collect();
     for row in &mut manifest.rows {
         row.inputs.clone_from(&inputs);
@@ -185,6 +198,7 @@ fn bordering(
         last: false,
         keys: before.next.clone(),
         range: 0,
+        sample: before.sample,
         next: before.next.as_ref().map(|keys| keys.at_level(level + 1)),
         cuts,
         borders: Vec::new(),
@@ -231,11 +245,7 @@ fn left(bound: f64, error: f64, last: bool) -> f64 {
     if last { left } else { left * ERROR_SHARE }
 }
 
-fn simplifying(
-    store: &dyn Store,
-    manifest: &Manifest,
-    results: &[RowResult],
-) -> Result<Manifest> {
+fn simplifying(store: &dyn Store, manifest: &Manifest, results: &[RowResult]) -> Result<Manifest> {
     let before = &manifest.phase;
     let phase = Phase {
         number: before.number + 1,

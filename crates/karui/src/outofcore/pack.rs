@@ -12,8 +12,6 @@ use glam::Vec3;
 
 /// Triangles of a page at least, but of the last.
 const PAGE: usize = 8192;
-/// Triangles of a sample at most.
-const SAMPLE: usize = 128;
 
 /// What a block is made of.
 pub(super) struct Contents<'a> {
@@ -22,6 +20,8 @@ pub(super) struct Contents<'a> {
     pub columns: &'a [Attribute],
     /// What collapses cost at each vertex ([`super::load`]), if somebody has looked.
     pub costs: Option<&'a [u16]>,
+    /// Triangles of a sample at most.
+    pub sample: u64,
 }
 
 /// The bytes of a block; `head` brings level, number, error and price.
@@ -108,7 +108,7 @@ fn samples(contents: &Contents<'_>, sorted: &[(u64, u32)]) -> Vec<Sample> {
     };
     // Triangles of one key stay together: they cannot be cut apart.
     for run in sorted.chunk_by(|a, b| a.0 == b.0) {
-        if end - start + run.len() > SAMPLE {
+        if (end - start + run.len()) as u64 > contents.sample {
             close(start..end);
             start = end;
         }
@@ -123,7 +123,9 @@ fn costs(contents: &Contents<'_>, few: &[(u64, u32)]) -> [u16; COSTS] {
     let Some(costs) = contents.costs else {
         return [0; COSTS];
     };
-    let corners = few.iter().flat_map(|&(_, t)| contents.triangles[t as usize]);
+    let corners = few
+        .iter()
+        .flat_map(|&(_, t)| contents.triangles[t as usize]);
     let mut all: Vec<u16> = corners.map(|v| costs[v as usize]).collect();
     all.sort_unstable();
     std::array::from_fn(|i| all[(2 * i + 1) * all.len() / (2 * COSTS)])

@@ -1,7 +1,7 @@
 //! What is to be done, decided before anything is read.
 
-use super::keys::Scheme;
 use super::join::{SCATTERED, reach};
+use super::keys::Scheme;
 use super::{Error, Result, Source, Store};
 use serde::{Deserialize, Serialize};
 

@@ -2,10 +2,10 @@
 
 use super::block::Head;
 use super::columns::columns;
-use super::manifest::{Phase, Row};
-use super::pack::{Contents, pack};
 use super::join::fetched;
 use super::load::costs;
+use super::manifest::{Phase, Row};
+use super::pack::{Contents, pack};
 use super::{Error, Result, Source, Store, Vertices};
 use crate::mesh::Attribute;
 use glam::Vec3;
@@ -41,6 +41,7 @@ pub(super) fn read(
         triangles: &local,
         columns: &columns,
         costs: Some(&costs),
+        sample: phase.sample,
     };
     let head = Head {
         number: row.id,

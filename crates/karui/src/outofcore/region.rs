@@ -71,6 +71,7 @@ pub(super) fn region(
         triangles: &coarse.triangles,
         columns: &columns,
         costs: None,
+        sample: phase.sample,
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
     Ok(pack(&contents, keys, head)?.1)

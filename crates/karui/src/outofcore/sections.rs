@@ -44,7 +44,10 @@ impl<'a> Sections<'a> {
         let prefix = store.get_range(name, 0..PREFIX)?;
         let mut reader = Reader(&prefix);
         if reader.take(MAGIC.len()) != Some(&MAGIC) || reader.u32() != Some(VERSION) {
-            return Err(damaged(name, "it does not begin with KARUISEC and version 1"));
+            return Err(damaged(
+                name,
+                "it does not begin with KARUISEC and version 1",
+            ));
         }
         let count = u64::from(reader.u32().unwrap_or_default());
         let first = PREFIX + ENTRY * count;

@@ -53,7 +53,9 @@ pub(super) fn share(heads: &[Head], cuts: &[u64], target: u64) -> Vec<Share> {
 fn mean(heads: &[Head]) -> f64 {
     let samples = || heads.iter().flat_map(|h| &h.samples);
     let triangles: u64 = samples().map(|s| u64::from(s.triangles)).sum();
-    let sum: f64 = samples().map(|s| distance(s) * f64::from(s.triangles)).sum();
+    let sum: f64 = samples()
+        .map(|s| distance(s) * f64::from(s.triangles))
+        .sum();
     sum / triangles.max(1) as f64
 }
 

@@ -52,7 +52,9 @@ pub fn verify_task(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<R
         Kind::Read | Kind::Simplify => Block::open(store, &row.output)?.verify()?,
         Kind::Bounds => drop(read_bounds(store, &row.output)?),
         Kind::Borders => super::borders::verify(store, &row.output)?,
-        Kind::Scan | Kind::Fetch => super::sections::Sections::open(store, &row.output)?.verify()?,
+        Kind::Scan | Kind::Fetch => {
+            super::sections::Sections::open(store, &row.output)?.verify()?
+        }
     }
     found(store, manifest, row.id)
 }

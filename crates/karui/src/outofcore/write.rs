@@ -2,8 +2,8 @@
 
 use super::block::{Block, Part, Place, place};
 use super::columns::attributes;
-use super::weld::{hash, weld};
 use super::drive::before_writing;
+use super::weld::{hash, weld};
 use super::{Manifest, Plan, Result, Store, Vertices};
 use crate::mesh::{Attribute, Attributes};
 use crate::progress::{Progress, step};
