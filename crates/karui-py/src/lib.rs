@@ -15,6 +15,7 @@ mod mesh;
 mod plan;
 mod progress;
 mod render;
+mod result;
 mod saliency;
 mod scene;
 mod simplify;
@@ -37,6 +38,8 @@ mod _karui {
     use super::plan::Plan;
     #[pymodule_export]
     use super::render::render;
+    #[pymodule_export]
+    use super::result::Summary;
     #[pymodule_export]
     use super::saliency::{saliency, saliency_weights};
     #[pymodule_export]

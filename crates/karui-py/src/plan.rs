@@ -3,9 +3,11 @@
 use crate::choice::choice;
 use crate::errors::{FileError, InputError, Raise};
 use crate::progress::run;
+use crate::result::{PlySink, Summary};
 use karui::outofcore::{
     self as lib, Folder, Manifest, Next, PlanOptions, Result, RowResult, RunOptions, Scheme, Source,
 };
+use karui_io::{Format, slices::PlyWriter};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use std::path::{Path, PathBuf, absolute};
@@ -158,7 +160,7 @@ impl Plan {
 
     /// Does all that is not done yet, here. memory_limit: bytes, from which follows how many tasks
     /// run at the same time; by default one does. progress: called with a phase and a share of
-    /// its tasks; returning False cancels.
+    /// all of the work, writing included; returning False cancels.
     ///
     /// Called again, it goes on from there. Raises FileError, InputError and Cancelled.
     #[pyo3(signature = (*, memory_limit=None, progress=None))]
@@ -173,6 +175,39 @@ impl Plan {
             let options = RunOptions { workers, progress };
             lib::run(&self.store, &*self.source, &self.plan, &options).map(drop)
         })
+    }
+
+    /// Writes the result to a PLY file, piece by piece; all of it or nothing. progress: called with
+    /// "write" and a share of the whole work; returning False cancels.
+    ///
+    /// Raises InputError if there are phases that are not done or it is no .ply, FileError and
+    /// Cancelled.
+    #[pyo3(signature = (path, *, progress=None))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Summary> {
+        let format = Format::from_path(&path).map_err(Raise::raise)?;
+        if format != Format::Ply || path.extension().is_some_and(|e| e == "gz") {
+            return Err(InputError::new_err("a result can be written as .ply only"));
+        }
+        let next = run(py, None, |_| {
+            self.mended(|| lib::next(&self.store, &self.plan))
+        })?;
+        let Next::Done(last) = next else {
+            return Err(InputError::new_err(
+                "the plan is not done yet: `run` it first",
+            ));
+        };
+        let writer = run(py, None, |_| PlyWriter::create(&path))?;
+        let (summary, sink) = run(py, progress, |progress| {
+            let mut sink = PlySink(writer);
+            lib::write(&self.store, &last, &mut sink, progress).map(|summary| (summary, sink))
+        })?;
+        run(py, None, |_| sink.0.finish())?;
+        Ok(summary.into())
     }
 
     /// Names of outputs that are missing, damaged or not what they were.

@@ -28,6 +28,13 @@ def expected(tmp_path_factory):
     return work.bytes()
 
 
+def test_where_there_is_no_ray_it_says_so(tmp_path):
+    ray = pytest.importorskip("ray")
+    assert not ray.is_initialized()
+    with pytest.raises(karui.cluster.ClusterError, match="not there"):
+        karui.cluster.run(FakeWork.create(tmp_path / "work"), "127.0.0.1:1")
+
+
 def test_a_plan_is_run(ray, tmp_path, expected):
     told = []
     work = FakeWork.create(tmp_path / "work")

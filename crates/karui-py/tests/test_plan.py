@@ -54,6 +54,36 @@ def test_tasks_one_by_one_in_any_order(model, tmp_path, expected):
     assert digest(work.store) == expected
 
 
+def test_the_result_is_a_mesh(model, tmp_path):
+    work = plan(tmp_path / "store", model)
+    with pytest.raises(karui.InputError, match="not done"):
+        work.write(tmp_path / "coarse.ply")
+    work.run()
+    summary = work.write(tmp_path / "coarse.ply")
+    whole, coarse = karui.Mesh.read(model), karui.Mesh.read(tmp_path / "coarse.ply")
+    assert summary.input == len(whole.triangles)
+    assert summary.triangles == len(coarse.triangles)
+    assert summary.vertices == len(coarse.positions)
+    assert summary.triangles == pytest.approx(0.1 * summary.input, rel=0.01)
+    at_once = karui.simplify(whole, triangles=summary.triangles).mesh
+    rms = [karui.measure(whole, mesh, samples=100_000).rms for mesh in (coarse, at_once)]
+    assert rms[0] < 1.5 * rms[1]
+    # No cracks: every edge has two sides but for those of the square's rim.
+    edges = np.sort(coarse.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges, counts = np.unique(edges, axis=0, return_counts=True)
+    ends = coarse.positions[edges[counts == 1]]
+    on_rim = ((ends[..., :2] == 0) | (ends[..., :2] == 1)).any(axis=-1)
+    assert on_rim.all() and counts.max() == 2
+    for name in ("coarse.obj", "coarse.ply.gz"):
+        with pytest.raises(karui.InputError):
+            work.write(tmp_path / name)
+    with pytest.raises(karui.FileError):
+        work.write(tmp_path / "none" / "coarse.ply")
+    with pytest.raises(karui.Cancelled):
+        work.write(tmp_path / "other.ply", progress=lambda *_: False)
+    assert not (tmp_path / "other.ply").exists()
+
+
 def test_it_goes_on_from_where_it_was(model, tmp_path, expected):
     work = plan(tmp_path / "store", model)
     with pytest.raises(karui.Cancelled):

@@ -37,8 +37,9 @@ class ClusterError(KaruiError):
 class Work(Protocol):
     """What `run` needs of a plan; `karui.Plan` has it."""
 
-    #: Where everything is kept: a path that is the same on every node.
-    store: str | os.PathLike[str]
+    @property
+    def store(self) -> str | os.PathLike[str]:
+        """Where everything is kept: a path that is the same on every node."""
 
     @classmethod
     def open(cls, store: str | os.PathLike[str]) -> Work:
@@ -142,13 +143,15 @@ def run(
         from . import Plan
 
         plan = Plan.open(plan)
+    driver = _Driver(ray, plan, wave, cpus, memory, timeout, attempts, progress)
     mine = not ray.is_initialized()
-    if mine:
-        ray.init(address=ray_address, log_to_driver=False)
     started = time.monotonic()
     try:
-        driver = _Driver(ray, plan, wave, cpus, memory, timeout, attempts, progress)
+        if mine:
+            ray.init(address=ray_address, log_to_driver=False)
         driver.run()
+    except (ray.exceptions.RayError, ConnectionError) as error:
+        raise ClusterError(f"Ray is not there, or not any more: {error}") from error
     finally:
         if mine:
             ray.shutdown()
@@ -167,15 +170,19 @@ def _ray() -> Any:
     return ray
 
 
+#: What opens a plan, where, and a name of the run.
+_Where = tuple[type[Work], Any, str]
+
+
 @functools.lru_cache(maxsize=1)
-def _opened(kind: type[Work], store: str | os.PathLike[str], _run: str) -> Any:
+def _opened(kind: type[Work], store: Any, _run: str) -> Any:
     """The plan, opened once a process and run."""
     return kind.open(store)
 
 
-def _do(kind: type[Work], store: str | os.PathLike[str], run: str, phase: str, row: int) -> dict[str, Any]:
+def _do(where: _Where, phase: str, row: int) -> dict[str, Any]:
     """Runs in a worker: a row, unless its output is there already."""
-    plan = _opened(kind, store, run)
+    plan = _opened(*where)
     wall, cpu = time.perf_counter(), time.process_time()
     result = plan.verify_task(phase, row)
     found = result is not None
@@ -192,9 +199,9 @@ def _do(kind: type[Work], store: str | os.PathLike[str], run: str, phase: str, r
     }
 
 
-def _verify(kind: type[Work], store: str | os.PathLike[str], run: str, phase: str, rows: list[int]) -> list[Any]:
+def _verify(where: _Where, phase: str, rows: list[int]) -> list[Any]:
     """Runs in a worker: what the outputs of some rows are, None where one is not whole."""
-    plan = _opened(kind, store, run)
+    plan = _opened(*where)
     return [plan.verify_task(phase, row) for row in rows]
 
 
@@ -252,7 +259,7 @@ class _Driver:
 
     def _run_rows(self, phase, count, rows):
         def send(row):
-            return self.do.remote(*self.where, phase, row)
+            return self.do.remote(self.where, phase, row)
 
         def check(row, answer):
             if answer["version"] != __version__:
@@ -269,7 +276,7 @@ class _Driver:
         batches = [tuple(rows[i : i + _BATCH]) for i in range(0, len(rows), _BATCH)]
 
         def send(batch):
-            return self.verify.remote(*self.where, phase, list(batch))
+            return self.verify.remote(self.where, phase, list(batch))
 
         found = self._bag(batches, send, lambda batch, found: len(found) == len(batch))
         return [
@@ -287,9 +294,7 @@ class _Driver:
 
         def again(item, why):
             if sent[item] >= self.attempts:
-                raise ClusterError(
-                    f"row {item} failed {sent[item]} times, at last so: {why}"
-                ) from (why if isinstance(why, Exception) else None)
+                raise ClusterError(f"row {item} failed {sent[item]} times, at last so: {why}")
             self.report.resubmitted += 1
             waiting.append(item)
 
@@ -303,16 +308,16 @@ class _Driver:
                     list(pending), num_returns=len(pending), timeout=_TICK
                 )
                 for ref in ready:
-                    item, answer = pending.pop(ref), self._answer(ref)
-                    if isinstance(answer, Exception):
-                        again(item, answer)
+                    item, (answer, why) = pending.pop(ref), self._answer(ref)
+                    if why is not None:
+                        again(item, why)
                     elif not check(item, answer):
                         again(item, f"its answer is of another row: {answer}")
                     else:
                         answers[item] = answer
+                tell(len(answers))
                 if ready:
                     heard = time.monotonic()
-                    tell(len(answers))
                 elif time.monotonic() - heard > self.timeout:
                     self._stop(pending)
                     for item in pending.values():
@@ -325,14 +330,16 @@ class _Driver:
         return answers
 
     def _answer(self, ref):
-        """What a task has returned, or why it has not."""
+        """What a task has returned and None, or None and why it has not."""
         try:
-            return self.ray.get(ref)
-        except InputError as error:
-            # It would be the same the next time.
-            raise ClusterError(f"a task cannot be done: {error}") from error
-        except (self.ray.exceptions.RayError, KaruiError, OSError) as error:
-            return error
+            return self.ray.get(ref), None
+        except self.ray.exceptions.RayTaskError as error:
+            if isinstance(error.cause, InputError):
+                # It would be the same the next time.
+                raise ClusterError(f"a task cannot be done: {error.cause}") from error
+            return None, error.cause
+        except self.ray.exceptions.RayError as error:
+            return None, error
 
     def _stop(self, refs) -> None:
         for ref in refs:
