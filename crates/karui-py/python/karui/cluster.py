@@ -15,7 +15,6 @@ paths. `ray` is imported when it is needed: `pip install "karui[cluster]"`.
 
 from __future__ import annotations
 
-import functools
 import heapq
 import os
 import time
@@ -174,15 +173,22 @@ def _ray() -> Any:
 _Where = tuple[type[Work], Any, str]
 
 
-@functools.lru_cache(maxsize=1)
-def _opened(kind: type[Work], store: Any, _run: str) -> Any:
+#: The plan that a worker process has open, by the name of the run.
+_plans: dict[str, Work] = {}
+
+
+def _opened(where: _Where) -> Work:
     """The plan, opened once a process and run."""
-    return kind.open(store)
+    kind, store, run = where
+    if run not in _plans:
+        _plans.clear()
+        _plans[run] = kind.open(store)
+    return _plans[run]
 
 
 def _do(where: _Where, phase: str, row: int) -> dict[str, Any]:
     """Runs in a worker: a row, unless its output is there already."""
-    plan = _opened(*where)
+    plan = _opened(where)
     wall, cpu = time.perf_counter(), time.process_time()
     result = plan.verify_task(phase, row)
     found = result is not None
@@ -201,7 +207,7 @@ def _do(where: _Where, phase: str, row: int) -> dict[str, Any]:
 
 def _verify(where: _Where, phase: str, rows: list[int]) -> list[Any]:
     """Runs in a worker: what the outputs of some rows are, None where one is not whole."""
-    plan = _opened(*where)
+    plan = _opened(where)
     return [plan.verify_task(phase, row) for row in rows]
 
 
