@@ -16,7 +16,7 @@ ROWS = sum(PHASES)
 def ray():
     ray = pytest.importorskip("ray")
     path = {"env_vars": {"PYTHONPATH": str(Path(__file__).parent)}}
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env=path)
+    ray.init("local", num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env=path)
     yield ray
     ray.shutdown()
 
@@ -28,9 +28,13 @@ def expected(tmp_path_factory):
     return work.bytes()
 
 
-def test_where_there_is_no_ray_it_says_so(tmp_path):
+def test_where_there_is_no_ray_it_says_so(tmp_path, monkeypatch):
     ray = pytest.importorskip("ray")
-    assert not ray.is_initialized()
+
+    def refuse(**_):
+        raise ConnectionError("no such cluster")
+
+    monkeypatch.setattr(ray, "init", refuse)
     with pytest.raises(karui.cluster.ClusterError, match="not there"):
         karui.cluster.run(FakeWork.create(tmp_path / "work"), "127.0.0.1:1")
 
@@ -75,6 +79,12 @@ def test_what_hangs_is_sent_again(ray, tmp_path, expected):
     report = karui.cluster.run(work, timeout=5)
     assert work.bytes() == expected
     assert report.resubmitted >= 2
+
+
+def test_where_nobody_is_it_says_so(ray, tmp_path):
+    work = FakeWork.create(tmp_path / "work")
+    with pytest.raises(karui.cluster.ClusterError, match="anybody"):
+        karui.cluster.run(work, cpus=64, timeout=1)
 
 
 def test_small_waves_do_the_same(ray, tmp_path, expected):

@@ -110,7 +110,7 @@ def test_a_cluster_makes_the_same_bytes(model, tmp_path, expected):
     ray = pytest.importorskip("ray")
     import karui.cluster
 
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    ray.init("local", num_cpus=2, include_dashboard=False, log_to_driver=False)
     try:
         work = plan(tmp_path / "store", model)
         report = karui.cluster.run(str(work.store))

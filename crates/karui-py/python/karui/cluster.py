@@ -17,11 +17,13 @@ from __future__ import annotations
 
 import heapq
 import os
+import threading
 import time
 import uuid
 from collections import deque
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Callable, Protocol
+from typing import Any, Callable, Iterator, Protocol
 
 from . import __version__
 from .errors import Cancelled, InputError, KaruiError
@@ -116,26 +118,27 @@ def run(
     wave: int = 2000,
     cpus: int = 1,
     memory: int | None = None,
-    timeout: float = 600.0,
+    timeout: float = 1800.0,
     attempts: int = 10,
     progress: Callable[[str, float], Any] | None = None,
 ) -> Report:
     """Does all of a plan that is not done yet, on Ray.
 
     plan: a `karui.Plan`, or the path of its store. ray_address: as of `ray.init`: "auto",
-    "host:port" or "ray://host:port"; None takes the Ray that is connected, or starts one here.
+    "host:port" or "ray://host:port"; "local" starts one here; None takes the Ray that is connected,
+    or that runs on this machine, or else starts one.
     wave: rows sent out at the same time at most. cpus: processors, and threads, of a task. memory:
-    bytes that a task may need, for Ray to place it by. timeout: seconds in which a row must come
-    back, of all that are out; else what is out is stopped and sent again. attempts: times a
-    row is sent out at most. progress: called with a phase and a share of its rows; returning
+    bytes that a task may need, for Ray to place it by. timeout: seconds that a row may take; then
+    its process ends itself, and the row is sent again. attempts: times a row is sent out at most. progress: called with a phase and a share of its rows; returning
     False cancels.
 
     Rows come back in any order; each must come back with its own number, and what it has made is
     verified by another task before the phase is closed. What is missing or wrong is run again.
     The blocks are the same as with `Plan.run`, whatever happens on the way.
 
-    Raises ClusterError if a row fails for good or Ray goes away, Cancelled, and KeyboardInterrupt;
-    called again, it goes on from there.
+    Raises ClusterError if a row fails for good, if Ray goes away or no row comes back for twice
+    the timeout, Cancelled, and KeyboardInterrupt; called again, it goes on from there. Rows that
+    are out then are left to end, unless Ray was started here.
     """
     ray = _ray()
     if isinstance(plan, (str, os.PathLike)):
@@ -169,50 +172,65 @@ def _ray() -> Any:
     return ray
 
 
-#: What opens a plan, where, and a name of the run.
-_Where = tuple[type[Work], Any, str]
-
-
 #: The plan that a worker process has open, by the name of the run.
 _plans: dict[str, Work] = {}
 
 
-def _opened(where: _Where) -> Work:
-    """The plan, opened once a process and run."""
-    kind, store, run = where
-    if run not in _plans:
-        _plans.clear()
-        _plans[run] = kind.open(store)
-    return _plans[run]
+@dataclass(frozen=True)
+class _Job:
+    """What workers are told of a run."""
+
+    kind: type[Work]
+    store: str | os.PathLike[str]
+    run: str
+    timeout: float
+
+    @contextmanager
+    def opened(self) -> Iterator[Work]:
+        """The plan, opened once a process and run. What takes too long ends its process: Ray then
+        says so, and its place is free again. (Ray's own way to stop a task, `ray.cancel`, can
+        end the driver if it comes just when the task does: seen in Ray 2.60.)"""
+        if self.run not in _plans:
+            _plans.clear()
+            _plans[self.run] = self.kind.open(self.store)
+        watchdog = threading.Timer(self.timeout, os._exit, (1,))
+        watchdog.daemon = True
+        watchdog.start()
+        try:
+            yield _plans[self.run]
+        finally:
+            watchdog.cancel()
 
 
-def _do(where: _Where, phase: str, row: int) -> dict[str, Any]:
+def _do(job: _Job, phase: str, row: int) -> dict[str, Any]:
     """Runs in a worker: a row, unless its output is there already."""
-    plan = _opened(where)
-    wall, cpu = time.perf_counter(), time.process_time()
-    result = plan.verify_task(phase, row)
-    found = result is not None
-    if result is None:
-        result = plan.run_task(phase, row)
-    return {
-        "result": result,
-        "version": __version__,
-        "cpu": time.process_time() - cpu,
-        "wall": time.perf_counter() - wall,
-        "found": found,
-        "process": os.getpid(),
-        "node": os.environ.get("RAY_NODE_ID", "") or os.uname().nodename,
-    }
+    with job.opened() as plan:
+        wall, cpu = time.perf_counter(), time.process_time()
+        result = plan.verify_task(phase, row)
+        found = result is not None
+        if result is None:
+            result = plan.run_task(phase, row)
+        return {
+            "result": result,
+            "version": __version__,
+            "cpu": time.process_time() - cpu,
+            "wall": time.perf_counter() - wall,
+            "found": found,
+            "process": os.getpid(),
+            "node": os.environ.get("RAY_NODE_ID", "") or os.uname().nodename,
+        }
 
 
-def _verify(where: _Where, phase: str, rows: list[int]) -> list[Any]:
+def _verify(job: _Job, phase: str, rows: list[int]) -> list[Any]:
     """Runs in a worker: what the outputs of some rows are, None where one is not whole."""
-    plan = _opened(where)
-    return [plan.verify_task(phase, row) for row in rows]
+    with job.opened() as plan:
+        return [plan.verify_task(phase, row) for row in rows]
 
 
 #: Rows that one task verifies.
 _BATCH = 16
+#: Times the timeout of a row after which nobody is there to run it.
+_PATIENCE = 2
 #: Seconds between looks at what has come back.
 _TICK = 0.2
 
@@ -222,9 +240,8 @@ class _Driver:
         if wave < 1 or attempts < 1 or cpus < 1 or not timeout > 0:
             raise InputError("`wave`, `attempts`, `cpus` and `timeout` must be above 0")
         self.ray, self.plan, self.report = ray, plan, Report()
-        self.wave, self.timeout, self.attempts = wave, timeout, attempts
-        self.progress = progress
-        self.where = type(plan), plan.store, uuid.uuid4().hex
+        self.wave, self.attempts, self.progress = wave, attempts, progress
+        self.job = _Job(type(plan), plan.store, uuid.uuid4().hex, timeout)
         # What dies is sent again from here, where it is counted.
         options = {
             "num_cpus": cpus,
@@ -265,7 +282,7 @@ class _Driver:
 
     def _run_rows(self, phase, count, rows):
         def send(row):
-            return self.do.remote(self.where, phase, row)
+            return self.do.remote(self.job, phase, row)
 
         def check(row, answer):
             if answer["version"] != __version__:
@@ -282,7 +299,7 @@ class _Driver:
         batches = [tuple(rows[i : i + _BATCH]) for i in range(0, len(rows), _BATCH)]
 
         def send(batch):
-            return self.verify.remote(self.where, phase, list(batch))
+            return self.verify.remote(self.job, phase, list(batch))
 
         found = self._bag(batches, send, lambda batch, found: len(found) == len(batch))
         return [
@@ -304,35 +321,26 @@ class _Driver:
             self.report.resubmitted += 1
             waiting.append(item)
 
-        try:
-            while waiting or pending:
-                while waiting and len(pending) < self.wave:
-                    item = waiting.popleft()
-                    sent[item] += 1
-                    pending[send(item)] = item
-                ready, _ = self.ray.wait(
-                    list(pending), num_returns=len(pending), timeout=_TICK
-                )
-                for ref in ready:
-                    item, (answer, why) = pending.pop(ref), self._answer(ref)
-                    if why is not None:
-                        again(item, why)
-                    elif not check(item, answer):
-                        again(item, f"its answer is of another row: {answer}")
-                    else:
-                        answers[item] = answer
-                tell(len(answers))
-                if ready:
-                    heard = time.monotonic()
-                elif time.monotonic() - heard > self.timeout:
-                    self._stop(pending)
-                    for item in pending.values():
-                        again(item, f"nothing came back for {self.timeout:g} s")
-                    pending.clear()
-                    heard = time.monotonic()
-        except BaseException:
-            self._stop(pending)
-            raise
+        while waiting or pending:
+            while waiting and len(pending) < self.wave:
+                item = waiting.popleft()
+                sent[item] += 1
+                pending[send(item)] = item
+            ready, _ = self.ray.wait(list(pending), num_returns=len(pending), timeout=_TICK)
+            for ref in ready:
+                item, (answer, why) = pending.pop(ref), self._answer(ref)
+                if why is not None:
+                    again(item, why)
+                elif not check(item, answer):
+                    again(item, f"its answer is of another row: {answer}")
+                else:
+                    answers[item] = answer
+            tell(len(answers))
+            if ready:
+                heard = time.monotonic()
+            elif time.monotonic() - heard > _PATIENCE * self.job.timeout:
+                silence = _PATIENCE * self.job.timeout
+                raise ClusterError(f"no row has come back for {silence:g} s: is anybody there?")
         return answers
 
     def _answer(self, ref):
@@ -346,13 +354,6 @@ class _Driver:
             return None, error.cause
         except self.ray.exceptions.RayError as error:
             return None, error
-
-    def _stop(self, refs) -> None:
-        for ref in refs:
-            try:
-                self.ray.cancel(ref, force=True)
-            except Exception:  # noqa: BLE001 - what is not there any more needs no stopping
-                continue
 
     def _tell(self, phase: str, share: float) -> None:
         if self.progress is None:
