@@ -72,7 +72,8 @@ def test_the_result_is_a_mesh(model, tmp_path):
     edges = np.sort(coarse.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     edges, counts = np.unique(edges, axis=0, return_counts=True)
     ends = coarse.positions[edges[counts == 1]]
-    on_rim = ((ends[..., :2] == 0) | (ends[..., :2] == 1)).any(axis=-1)
+    across = ends[..., :2]  # its corners have moved a little
+    on_rim = (np.minimum(abs(across), abs(across - 1)) < 1e-3).any(axis=-1)
     assert on_rim.all() and counts.max() == 2
     for name in ("coarse.obj", "coarse.ply.gz"):
         with pytest.raises(karui.InputError):
