@@ -1,5 +1,6 @@
 //! Simplification out of core, end to end.
 
+use karui::geom::{Vec2, Vec3};
 use karui::mesh::{Attributes, TopologyReport, diagnose, shapes};
 use karui::metrics::{SurfaceDistanceOptions, surface_distance};
 use karui::outofcore::{
@@ -171,8 +172,7 @@ fn attributes_are_carried_and_seams_stay() {
     assert!(report(&mesh).closed);
     let uvs = &mesh.attributes.uvs[0];
     assert_eq!(uvs.len(), mesh.positions.len());
-    let inside =
-        |uv: &karui::geom::Vec2| (-0.1..1.1).contains(&uv.x) && (-0.1..1.1).contains(&uv.y);
+    let inside = |uv: &Vec2| (-0.1..1.1).contains(&uv.x) && (-0.1..1.1).contains(&uv.y);
     assert!(uvs.iter().all(inside));
     // A seam is there as long as vertices outnumber places.
     assert!(report(&mesh).positions < mesh.positions.len());
@@ -337,7 +337,10 @@ fn stopped_work_goes_on_where_it_was() {
         };
         match run(&store, &source, &plan, &options) {
             Err(Error::Block(karui::Error::Cancelled)) => stops += 1,
-            outcome => break drop(outcome.expect("done")),
+            outcome => {
+                outcome.expect("done");
+                break;
+            }
         }
     }
     assert!(stops > 3, "{stops}");
@@ -466,7 +469,7 @@ fn many_edges_at_a_vertex_and_triangles_across_the_whole_model() {
     // A fan of 100,000 triangles that all meet in the middle.
     let count = 100_000u32;
     let angle = |i: u32| f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-    let rim = |i| [angle(i).cos() as f32, angle(i).sin() as f32, 0.0].into();
+    let rim = |i| Vec3::new(angle(i).cos() as f32, angle(i).sin() as f32, 0.0);
     let mut fan = TriMesh::new(vec![[0.0, 0.0, 1.0].into()], Vec::new());
     fan.positions.extend((0..count).map(rim));
     fan.triangles = (0..count)
