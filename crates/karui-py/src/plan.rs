@@ -89,7 +89,7 @@ impl Plan {
 
 #[pymethods]
 impl Plan {
-    /// A plan for a model (binary or ASCII PLY), kept in the folder `store`, which is made if need
+    /// A plan for a model (PLY, OBJ, binary STL, glTF or raw; not gzipped), kept in the folder `store`, which is made if need
     /// be. If there is a plan already, it must be the same.
     ///
     /// ratio (0 to 1), triangles, error (model units): what is to be left, as in `simplify`.
