@@ -13,7 +13,11 @@ use pyo3::types::{PyDict, PyType};
 use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
-const SCHEMES: [(&str, Scheme); 2] = [("cells", Scheme::Cells), ("sweep", Scheme::Sweep)];
+const SCHEMES: [(&str, Scheme); 3] = [
+    ("cells", Scheme::Cells),
+    ("sweep", Scheme::Sweep),
+    ("slabs", Scheme::Slabs),
+];
 /// Times that lost inputs of a task are made anew before it is given up.
 const TRIES: usize = 100;
 
@@ -94,7 +98,8 @@ impl Plan {
     ///
     /// ratio (0 to 1), triangles, error (model units): what is to be left, as in `simplify`.
     /// memory_limit: bytes, from which the size of blocks follows. block_triangles: that size
-    /// itself; by default 1,048,576. scheme: how blocks are cut, "cells" or "sweep" (slabs).
+    /// itself; by default 1,048,576. scheme: how blocks are cut: "cells", "sweep"
+    /// (slabs of as much work each) or "slabs" (of as many triangles each).
     ///
     /// Raises FileError and InputError.
     #[staticmethod]

@@ -317,7 +317,7 @@ class Plan:
         error: float | None = None,
         memory_limit: int | None = None,
         block_triangles: int | None = None,
-        scheme: Literal["cells", "sweep"] = "cells",
+        scheme: Literal["cells", "sweep", "slabs"] = "cells",
     ) -> Plan: ...
     @classmethod
     def open(cls, store: _Path) -> Plan: ...

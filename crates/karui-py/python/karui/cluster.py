@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import heapq
 import os
+import platform
 import threading
 import time
 import uuid
@@ -217,7 +218,7 @@ def _do(job: _Job, phase: str, row: int) -> dict[str, Any]:
             "wall": time.perf_counter() - wall,
             "found": found,
             "process": os.getpid(),
-            "node": os.environ.get("RAY_NODE_ID", "") or os.uname().nodename,
+            "node": platform.node(),
         }
 
 
