@@ -32,6 +32,7 @@
 
 mod atomic;
 mod color;
+mod control;
 mod error;
 mod format;
 mod gltf;
@@ -51,6 +52,7 @@ mod warnings;
 mod write;
 
 pub use atomic::Written;
+pub use control::{LoadedControl, read_control, read_control_bytes};
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};

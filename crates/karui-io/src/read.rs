@@ -107,7 +107,7 @@ fn poly(format: Format, source: &mut Source<'_>) -> Result<PolyMesh> {
     poly_of(format, source).map_err(|e| e.in_file(name))
 }
 
-fn poly_of(format: Format, source: &mut Source<'_>) -> Result<PolyMesh> {
+pub(crate) fn poly_of(format: Format, source: &mut Source<'_>) -> Result<PolyMesh> {
     match format {
         Format::Obj => Ok(obj::read(source)?.mesh),
         Format::Ply => ply::read(source),

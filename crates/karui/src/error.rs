@@ -181,9 +181,27 @@ pub enum Error {
         /// What is wrong there.
         problem: &'static str,
     },
+    /// Subdivision would make more than was allowed.
+    #[error(
+        "{levels} levels make {faces} faces, more than the {limit} allowed",
+        faces = rounded(*faces)
+    )]
+    TooFine {
+        /// Levels asked for.
+        levels: u32,
+        /// Faces there would be, exact up to 2^53.
+        faces: f64,
+        /// Most that is allowed.
+        limit: u64,
+    },
     /// The [`Progress`](crate::Progress) observer asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// All digits, or three if there are too many to read.
+fn rounded(count: f64) -> String {
+    if count < 1e15 { format!("{count}") } else { format!("{count:.2e}") }
 }
 
 /// Shorthand for results of this crate.

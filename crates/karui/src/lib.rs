@@ -18,6 +18,7 @@ pub mod render;
 pub mod saliency;
 pub mod simplify;
 pub mod spatial;
+pub mod subdiv;
 
 pub use error::{Error, Result};
 pub use mesh::{PolyMesh, Scene, TriMesh};

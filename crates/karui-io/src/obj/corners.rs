@@ -5,6 +5,7 @@ use karui::{
     PolyMesh,
     geom::{DVec3, Vec2, Vec3, Vec4, normal_times_two_areas},
     mesh::Attributes,
+    subdiv::{Cage, ControlMesh, FaceVarying},
 };
 
 /// No index.
@@ -97,6 +98,40 @@ impl Corners {
         mesh.attributes.colors.extend(colors.map(color));
         fill_normals(&mut mesh, &vertices);
         mesh
+    }
+
+    /// One vertex for every position, texture coordinates by corner.
+    pub fn into_control(
+        self,
+        positions: Vec<Vec3>,
+        mut uvs: Vec<Vec2>,
+        colors: Option<Vec<Vec4>>,
+    ) -> ControlMesh {
+        let mut indices = self.uvs;
+        let has_uvs = indices.iter().any(|&i| i != NONE);
+        indices.resize(self.positions.len(), NONE);
+        if has_uvs && indices.contains(&NONE) {
+            uvs.push(Vec2::ZERO);
+            let filler = uvs.len() as u32 - 1;
+            let without = indices.iter_mut().filter(|i| **i == NONE);
+            without.for_each(|i| *i = filler);
+        }
+        ControlMesh {
+            cage: Cage {
+                vertices: positions.len(),
+                offsets: self.offsets,
+                indices: self.positions,
+                ..Cage::default()
+            },
+            positions,
+            colors,
+            uvs: has_uvs.then_some(FaceVarying {
+                values: uvs,
+                indices,
+            }),
+            face_materials: self.materials,
+            ..ControlMesh::default()
+        }
     }
 
     /// The vertex of every corner and the indices of every vertex.

@@ -9,19 +9,28 @@ mod corners;
 mod mtl_read;
 mod mtl_write;
 pub(crate) mod read;
+mod tags;
 mod write;
 
-pub(crate) use read::read;
+pub(crate) use read::{read, read_control};
 pub(crate) use write::write;
 
 use karui::{
-    PolyMesh, Scene,
+    PolyMesh, Scene, TriMesh,
     mesh::{Image, Material, NamedMesh, Texture},
+    subdiv::ControlMesh,
 };
 
 /// What a file holds.
 pub(crate) struct Model {
     pub mesh: PolyMesh,
+    name: Option<String>,
+    library: Library,
+}
+
+/// What a file holds, as a control mesh.
+pub(crate) struct Control {
+    pub mesh: ControlMesh,
     name: Option<String>,
     library: Library,
 }
@@ -37,14 +46,27 @@ struct Library {
 impl Model {
     /// As a scene of one mesh, triangulated.
     pub fn into_scene(self) -> Scene {
-        let mut scene = Scene::from_mesh(self.mesh.triangulate());
-        let name = self.name;
-        let mesh = scene.meshes.pop().map(|m| m.mesh).unwrap_or_default();
-        scene.meshes.push(NamedMesh { name, mesh });
-        scene.materials = self.library.materials;
-        scene.textures = self.library.textures;
-        scene.images = self.library.images;
-        scene
+        self.library.into_scene(self.name, self.mesh.triangulate())
+    }
+}
+
+impl Control {
+    /// The mesh, and a scene with its materials and an empty mesh in its place.
+    pub fn into_parts(self) -> (ControlMesh, Scene) {
+        let scene = self.library.into_scene(self.name, TriMesh::default());
+        (self.mesh, scene)
+    }
+}
+
+impl Library {
+    fn into_scene(self, name: Option<String>, mesh: TriMesh) -> Scene {
+        Scene {
+            materials: self.materials,
+            textures: self.textures,
+            images: self.images,
+            meshes: vec![NamedMesh { name, mesh }],
+            ..Scene::from_mesh(TriMesh::default())
+        }
     }
 }
 

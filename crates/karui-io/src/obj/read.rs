@@ -1,9 +1,10 @@
 //! Reading OBJ.
 
 use super::{
-    Library, Model,
+    Control, Library, Model,
     corners::{Corners, NONE},
     mtl_read,
+    tags::Tags,
 };
 use crate::{
     error::{Error, ErrorKind, Place, Result},
@@ -17,19 +18,37 @@ use std::{borrow::Cow, collections::HashMap};
 /// materials. Libraries and textures that cannot be found are replaced with a
 /// warning.
 pub(crate) fn read(source: &mut Source<'_>) -> Result<Model> {
-    if source.bytes.is_empty() {
+    let mut state = State::default();
+    state.lines(source.bytes)?;
+    state.finish(source)
+}
+
+/// Reads the polygons as a control mesh, with the tags that say what is sharp.
+pub(crate) fn read_control(source: &mut Source<'_>) -> Result<Control> {
+    let mut state = State {
+        tags: Some(Tags::default()),
+        ..State::default()
+    };
+    state.lines(source.bytes)?;
+    state.finish_control(source)
+}
+
+impl State {
+    /// Reads the statements one after the other.
+    fn lines(&mut self, bytes: &[u8]) -> Result<()> {
+    if bytes.is_empty() {
         let kind = ErrorKind::truncated("an OBJ model", "an empty file");
         return Err(Error::new(Place::File, kind));
     }
-    let mut lines = Lines::new(source.bytes);
-    let mut state = State::default();
+    let mut lines = Lines::new(bytes);
     while let Some(line) = lines.next() {
         let first = lines.line;
         let line = joined(line, &mut lines);
-        let result = state.line(&line, first);
+        let result = self.line(&line, first);
         result.map_err(|kind| Error::new(Place::Line(first), kind))?;
     }
-    state.finish(source)
+    Ok(())
+}
 }
 
 /// A line with those it goes on in after a final `\`.
@@ -75,6 +94,8 @@ struct State {
     warnings: Vec<&'static str>,
     /// The first statement that was not understood, with its line.
     unknown: Option<(String, u64)>,
+    /// Statements `t`, if they are wanted.
+    tags: Option<Tags>,
 }
 
 /// Names of the kinds of `State::ahead`.
@@ -107,6 +128,9 @@ impl State {
             Some(b"curv" | b"curv2" | b"surf" | b"cstype") => {
                 self.warn("free-form curves and surfaces were passed over");
                 Ok(())
+            }
+            Some(b"t") if self.tags.is_some() => {
+                self.tags.as_mut().map_or(Ok(()), |tags| tags.read(words))
             }
             // Groups, smoothing and tags of subdivision carry no geometry.
             None | Some(b"g" | b"s" | b"t" | b"mg" | b"lod" | b"vp") => Ok(()),
@@ -171,7 +195,12 @@ impl State {
             let corner = self.corner(word, line)?;
             self.corners.push(corner);
         }
-        if self.corners.len() - before < 3 {
+        let found = self.corners.len() - before;
+        if found < 3 && self.tags.is_some() {
+            // Tags count faces, so that none may be passed over.
+            return Err(ErrorKind::syntax("3 corners of a face or more", found.to_string()));
+        }
+        if found < 3 {
             self.corners.truncate(before);
             self.warn("faces of fewer than 3 corners were passed over");
             return Ok(());
@@ -269,6 +298,44 @@ impl State {
     }
 
     fn finish(mut self, source: &mut Source<'_>) -> Result<Model> {
+        let (library, materials) = self.check(source)?;
+        let colors = scaled(std::mem::take(&mut self.colors), self.positions.len());
+        let mut mesh = self
+            .corners
+            .into_mesh(self.positions, self.uvs, self.normals, colors);
+        for material in mesh.face_materials.iter_mut().flatten() {
+            *material = materials[*material as usize];
+        }
+        Ok(Model {
+            mesh,
+            name: self.name,
+            library,
+        })
+    }
+
+    fn finish_control(mut self, source: &mut Source<'_>) -> Result<Control> {
+        let (library, materials) = self.check(source)?;
+        let colors = scaled(std::mem::take(&mut self.colors), self.positions.len());
+        let mut mesh = self.corners.into_control(self.positions, self.uvs, colors);
+        for material in mesh.face_materials.iter_mut().flatten() {
+            *material = materials[*material as usize];
+        }
+        let tags = self.tags.take().unwrap_or_default();
+        if let Some(name) = tags.unknown {
+            let message = format!("tags such as {name} were passed over");
+            source.warnings.push(message);
+        }
+        (mesh.cage.creases, mesh.cage.corners) = (tags.creases, tags.corners);
+        (mesh.cage.holes, mesh.rules) = (tags.holes, tags.rules);
+        Ok(Control {
+            mesh,
+            name: self.name,
+            library,
+        })
+    }
+
+    /// Checks that what was named is there, and reads the materials.
+    fn check(&mut self, source: &mut Source<'_>) -> Result<(Library, Vec<u32>)> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         for (kind, &ahead) in self.ahead.iter().enumerate() {
             if let Some((index, line)) = ahead.filter(|&(i, _)| i > counts[kind] as i64) {
@@ -287,18 +354,7 @@ impl State {
             mtl_read::read_libraries(uri, source, &mut library)?;
         }
         let materials = mtl_read::resolve(&self.materials, source, &mut library);
-        let colors = scaled(std::mem::take(&mut self.colors), self.positions.len());
-        let mut mesh = self
-            .corners
-            .into_mesh(self.positions, self.uvs, self.normals, colors);
-        for material in mesh.face_materials.iter_mut().flatten() {
-            *material = materials[*material as usize];
-        }
-        Ok(Model {
-            mesh,
-            name: self.name,
-            library,
-        })
+        Ok((library, materials))
     }
 }
 
