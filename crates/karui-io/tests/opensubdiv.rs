@@ -137,36 +137,63 @@ fn every_vertex_is_opensubdivs() {
 
 fn compare(mesh: &ControlMesh, expected: &Expected, options: SubdivOptions) -> Result<(), String> {
     let refinement = Refinement::new(&mesh.cage, &options).map_err(|e| e.to_string())?;
-    let level = refinement.levels().last().unwrap();
-    if level.corners() != expected.corners {
+    let faces = refinement.faces();
+    let sizes = (0..faces.count()).map(|f| faces.corners(f).len() as u32);
+    if refinement.corners() != expected.corners || !sizes.eq(expected.sizes.iter().copied()) {
         return Err("faces differ".into());
     }
-    let _ = &expected.sizes;
-    for f in 0..level.faces().count() {
-        if level.is_hole(f) != expected.holes[f] {
-            return Err(format!("hole {f} differs"));
-        }
+    if let Some(f) = (0..faces.count()).find(|&f| refinement.is_hole(f) != expected.holes[f]) {
+        return Err(format!("face {f}: a hole or not"));
     }
     let cage: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
     let ours = refinement.evaluate(&cage).map_err(|e| e.to_string())?;
-    let off = worst(&ours, &expected.positions) / diagonal(&cage);
+    let diagonal = diagonal(&cage);
+    let off = worst(&ours, &expected.positions) / diagonal;
     if ours.len() != expected.positions.len() || off.is_nan() || off > 1e-6 {
         return Err(format!("positions are off by {off:e}"));
     }
+    compare_limits(&refinement, &cage, expected, diagonal)?;
     let Some(uvs) = &mesh.uvs else {
         return Ok(());
     };
     let values: Vec<[f32; 2]> = uvs.values.iter().map(|v| [v.x, 1.0 - v.y]).collect();
     for (rule, expected) in RULES.into_iter().zip(&expected.uvs) {
         let options = SubdivOptions { face_varying: rule, ..options };
-        let charts = refinement.face_varying(&uvs.indices, values.len(), &options).map_err(|e| e.to_string())?;
+        let charts = Refinement::new(&mesh.cage, &options)
+            .and_then(|refinement| refinement.face_varying(&uvs.indices, values.len()))
+            .map_err(|e| e.to_string())?;
         let ours = charts.evaluate(&values).map_err(|e| e.to_string())?;
-        let level = charts.levels().last().unwrap();
-        let by_corner: Vec<_> = level.corners().iter().map(|&v| ours[v as usize]).collect();
+        let by_corner: Vec<_> = charts.corners().iter().map(|&v| ours[v as usize]).collect();
         let off = worst(&by_corner, expected);
         if by_corner.len() != expected.len() || off.is_nan() || off > 1e-5 {
             return Err(format!("{rule:?}: texture coordinates are off by {off:e}"));
         }
+    }
+    Ok(())
+}
+
+fn compare_limits(
+    refinement: &Refinement,
+    cage: &[[f32; 3]],
+    expected: &Expected,
+    diagonal: f64,
+) -> Result<(), String> {
+    let limits = refinement.limits(cage).map_err(|e| e.to_string())?;
+    let ours: Vec<_> = limits.positions.iter().map(|p| p.to_array()).collect();
+    let off = worst(&ours, &expected.limits) / diagonal;
+    if off.is_nan() || off > 1e-6 {
+        return Err(format!("limits are off by {off:e}"));
+    }
+    // A normal of one side only is that of another side in OpenSubdiv.
+    let mut others = 0;
+    let both = limits.normals.iter().zip(&limits.one_sided).zip(&expected.normals);
+    for ((ours, _), theirs) in both.filter(|((_, one_sided), _)| !**one_sided) {
+        let ours = ours.to_array();
+        let dot: f64 = (0..3).map(|i| f64::from(ours[i]) * theirs[i]).sum();
+        others += usize::from(theirs != &[0.0; 3] && ours != [0.0; 3] && dot < 1.0 - 1e-5);
+    }
+    if others > 0 {
+        return Err(format!("{others} normals differ"));
     }
     Ok(())
 }

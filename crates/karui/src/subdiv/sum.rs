@@ -29,6 +29,10 @@ impl<const N: usize> Sum<N> {
         sum
     }
 
+    pub fn precise(self) -> [f64; N] {
+        self.0
+    }
+
     pub fn value(self) -> [f32; N] {
         self.0.map(|v| v as f32)
     }

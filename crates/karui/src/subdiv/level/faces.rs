@@ -23,7 +23,7 @@ pub enum Faces {
 
 impl Faces {
     /// Faces that start at these corners.
-    pub(super) fn of_offsets(offsets: &[u32]) -> Self {
+    pub(in crate::subdiv) fn of_offsets(offsets: &[u32]) -> Self {
         let size = offsets.get(1).copied().unwrap_or(0);
         if offsets.windows(2).all(|w| w[1] - w[0] == size) {
             let count = offsets.len() as u32 - 1;

@@ -28,6 +28,13 @@ struct Child {
     first_edge_point: usize,
 }
 
+impl Kind {
+    pub const CATMULL_CLARK: Self = Self {
+        triangles: false,
+        linear: false,
+    };
+}
+
 impl Level {
     /// The next level. Rings are found only if `complete`: the last level needs none unless
     /// its limits are asked for.
