@@ -1,12 +1,15 @@
 //! Surfaces beside OpenSubdiv's: its regression shapes with their creases, corners, holes,
 //! boundary rules and texture coordinates.
 //!
-//! `tools/osd_oracle/build.sh SHAPES OUT` writes what OpenSubdiv makes of them. With
-//! `KARUI_OSD_FIXTURES=OUT` every vertex of every level is compared.
+//! `data/opensubdiv.json` holds every vertex of level 1, of levels 2 to 4 sums with weights
+//! that look random and some vertices, and sums of limits and texture coordinates.
+//! `tools/osd_oracle/build.sh SHAPES OUT` writes everything; with `KARUI_OSD_FIXTURES=OUT`
+//! every vertex of every level, limit, normal and texture coordinate is compared.
+#![allow(clippy::unwrap_used, reason = "it is a test")]
 
-use karui::subdiv::{
-    Boundary, ControlMesh, FaceVaryingRule, Refinement, Scheme, SubdivOptions,
-};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use karui::subdiv::{Boundary, ControlMesh, FaceVaryingRule, Refinement, Scheme, SubdivOptions};
 use std::path::{Path, PathBuf};
 
 const RULES: [FaceVaryingRule; 6] = [
@@ -97,7 +100,9 @@ fn options(path: &Path, mesh: &ControlMesh, levels: u32) -> SubdivOptions {
 
 fn worst<const N: usize>(ours: &[[f32; N]], theirs: &[[f64; N]]) -> f64 {
     let off = |(a, b): (&[f32; N], &[f64; N])| {
-        (0..N).map(|i| (f64::from(a[i]) - b[i]).abs()).fold(0.0, f64::max)
+        (0..N)
+            .map(|i| (f64::from(a[i]) - b[i]).abs())
+            .fold(0.0, f64::max)
     };
     ours.iter().zip(theirs).map(off).fold(0.0, f64::max)
 }
@@ -112,10 +117,11 @@ fn diagonal(positions: &[[f32; 3]]) -> f64 {
 
 #[test]
 fn every_vertex_is_opensubdivs() {
-    let (Ok(fixtures), shapes) = (std::env::var("KARUI_OSD_FIXTURES"), shapes()) else {
+    let Ok(fixtures) = std::env::var("KARUI_OSD_FIXTURES") else {
         println!("SKIPPED: KARUI_OSD_FIXTURES is not set");
         return;
     };
+    let shapes = shapes();
     let mut broken = Vec::new();
     let mut compared = [0usize; 2];
     for shape in &shapes {
@@ -131,7 +137,12 @@ fn every_vertex_is_opensubdivs() {
             }
         }
     }
-    println!("{} shapes, {} positions, {} corners with texture coordinates", shapes.len(), compared[0], compared[1]);
+    println!(
+        "{} shapes, {} positions, {} corners with texture coordinates",
+        shapes.len(),
+        compared[0],
+        compared[1]
+    );
     assert_eq!(broken, Vec::<String>::new());
 }
 
@@ -158,7 +169,10 @@ fn compare(mesh: &ControlMesh, expected: &Expected, options: SubdivOptions) -> R
     };
     let values: Vec<[f32; 2]> = uvs.values.iter().map(|v| [v.x, 1.0 - v.y]).collect();
     for (rule, expected) in RULES.into_iter().zip(&expected.uvs) {
-        let options = SubdivOptions { face_varying: rule, ..options };
+        let options = SubdivOptions {
+            face_varying: rule,
+            ..options
+        };
         let charts = Refinement::new(&mesh.cage, &options)
             .and_then(|refinement| refinement.face_varying(&uvs.indices, values.len()))
             .map_err(|e| e.to_string())?;
@@ -186,7 +200,11 @@ fn compare_limits(
     }
     // A normal of one side only is that of another side in OpenSubdiv.
     let mut others = 0;
-    let both = limits.normals.iter().zip(&limits.one_sided).zip(&expected.normals);
+    let both = limits
+        .normals
+        .iter()
+        .zip(&limits.one_sided)
+        .zip(&expected.normals);
     for ((ours, _), theirs) in both.filter(|((_, one_sided), _)| !**one_sided) {
         let ours = ours.to_array();
         let dot: f64 = (0..3).map(|i| f64::from(ours[i]) * theirs[i]).sum();
@@ -194,6 +212,159 @@ fn compare_limits(
     }
     if others > 0 {
         return Err(format!("{others} normals differ"));
+    }
+    Ok(())
+}
+
+/// As `tools/osd_oracle/pack.py` has it.
+fn weight(i: usize) -> f64 {
+    let mut x = (i as u32).wrapping_mul(2_654_435_761).wrapping_add(12345);
+    x ^= x >> 15;
+    x = x.wrapping_mul(2_246_822_519);
+    x ^= x >> 13;
+    f64::from(x) / 2_147_483_648.0 - 1.0
+}
+
+fn sums<const N: usize>(values: &[[f32; N]], blocks: usize) -> Vec<[f64; N]> {
+    let mut sums = vec![[0.0; N]; blocks];
+    for (i, value) in values.iter().enumerate() {
+        let sum = &mut sums[i * blocks / values.len()];
+        (0..N).for_each(|c| sum[c] += weight(i) * f64::from(value[c]));
+    }
+    sums
+}
+
+fn fnv(corners: &[u32]) -> String {
+    let bytes = corners.iter().flat_map(|c| c.to_le_bytes());
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
+fn packed<const N: usize, const BYTES: usize>(
+    text: &serde_json::Value,
+    number: fn([u8; BYTES]) -> f64,
+) -> Vec<[f64; N]> {
+    let bytes = BASE64_STANDARD.decode(text.as_str().unwrap()).unwrap();
+    let numbers: Vec<f64> = bytes.as_chunks().0.iter().map(|&b| number(b)).collect();
+    numbers.as_chunks().0.to_vec()
+}
+
+fn doubles<const N: usize>(text: &serde_json::Value) -> Vec<[f64; N]> {
+    packed(text, f64::from_le_bytes)
+}
+
+fn singles(text: &serde_json::Value) -> Vec<[f64; 3]> {
+    packed(text, |b| f64::from(f32::from_le_bytes(b)))
+}
+
+/// Sums may be off by what their vertices may, at random.
+fn sums_agree<const N: usize>(
+    ours: &[[f32; N]],
+    expected: &[[f64; N]],
+    bound: f64,
+) -> Result<(), String> {
+    let mine = sums(ours, expected.len());
+    let bound = bound * (ours.len() as f64 / expected.len() as f64).sqrt().max(1.0);
+    for (a, b) in mine.iter().flatten().zip(expected.iter().flatten()) {
+        if (a - b).is_nan() || (a - b).abs() > bound {
+            return Err(format!("a sum is off by {:e} of {bound:e}", (a - b).abs()));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn shapes_are_opensubdivs() {
+    let shapes = shapes();
+    if shapes.is_empty() {
+        println!("SKIPPED: no subdivision/opensubdiv in KARUI_MODELS");
+        return;
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(include_str!("data/opensubdiv.json")).unwrap();
+    let mut broken = Vec::new();
+    for shape in &shapes {
+        let name = shape.file_stem().unwrap().to_str().unwrap();
+        let mesh = karui_io::read_control(shape).unwrap().mesh;
+        for (i, expected) in json[name].as_array().expect(name).iter().enumerate() {
+            let options = options(shape, &mesh, i as u32 + 1);
+            if let Err(error) = agrees(&mesh, expected, options) {
+                broken.push(format!("{name} level {}: {error}", i + 1));
+            }
+        }
+    }
+    assert!(shapes.len() > 100, "only {} shapes", shapes.len());
+    assert_eq!(broken, Vec::<String>::new());
+}
+
+fn agrees(
+    mesh: &ControlMesh,
+    expected: &serde_json::Value,
+    options: SubdivOptions,
+) -> Result<(), String> {
+    let refinement = Refinement::new(&mesh.cage, &options).map_err(|e| e.to_string())?;
+    let cage: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
+    let bound = 1e-6 * diagonal(&cage);
+    let ours = refinement.evaluate(&cage).map_err(|e| e.to_string())?;
+    let faces = refinement.faces().count();
+    let holes = (0..faces).filter(|&f| refinement.is_hole(f)).count();
+    let counts = [("vertices", ours.len()), ("faces", faces), ("holes", holes)];
+    if let Some((what, found)) = counts.iter().find(|(what, found)| expected[what] != *found) {
+        return Err(format!("{found} {what}"));
+    }
+    if expected["corners"]
+        .as_str()
+        .is_some_and(|hash| hash != fnv(refinement.corners()))
+    {
+        return Err("faces differ".into());
+    }
+    if !expected["positions"].is_null() {
+        let off = worst(&ours, &singles(&expected["positions"]));
+        return if off <= bound {
+            Ok(())
+        } else {
+            Err(format!("off by {off:e}"))
+        };
+    }
+    sums_agree(&ours, &doubles(&expected["sums"]), bound)?;
+    let samples = singles(&expected["samples"]);
+    let step = (ours.len() / 4).max(1);
+    let some: Vec<_> = ours
+        .iter()
+        .copied()
+        .step_by(step)
+        .take(samples.len())
+        .collect();
+    let off = worst(&some, &samples);
+    if off.is_nan() || off > bound {
+        return Err(format!("off by {off:e}"));
+    }
+    if !expected["limits"].is_null() {
+        let limits = refinement.limits(&cage).map_err(|e| e.to_string())?;
+        let limits: Vec<_> = limits.positions.iter().map(|p| p.to_array()).collect();
+        sums_agree(&limits, &doubles(&expected["limits"]), bound)?;
+    }
+    let Some(uvs) = &mesh.uvs else {
+        return Ok(());
+    };
+    let values: Vec<[f32; 2]> = uvs.values.iter().map(|v| [v.x, 1.0 - v.y]).collect();
+    for (face_varying, expected) in RULES
+        .into_iter()
+        .zip(expected["uvs"].as_array().into_iter().flatten())
+    {
+        let options = SubdivOptions {
+            face_varying,
+            ..options
+        };
+        let charts = Refinement::new(&mesh.cage, &options)
+            .and_then(|refinement| refinement.face_varying(&uvs.indices, values.len()))
+            .map_err(|e| e.to_string())?;
+        let ours = charts.evaluate(&values).map_err(|e| e.to_string())?;
+        let by_corner: Vec<_> = charts.corners().iter().map(|&v| ours[v as usize]).collect();
+        sums_agree(&by_corner, &doubles(expected), 1e-5)
+            .map_err(|e| format!("{face_varying:?}: {e}"))?;
     }
     Ok(())
 }

@@ -201,7 +201,11 @@ pub enum Error {
 
 /// All digits, or three if there are too many to read.
 fn rounded(count: f64) -> String {
-    if count < 1e15 { format!("{count}") } else { format!("{count:.2e}") }
+    if count < 1e15 {
+        format!("{count}")
+    } else {
+        format!("{count:.2e}")
+    }
 }
 
 /// Shorthand for results of this crate.

@@ -15,6 +15,7 @@ mod replay;
 mod saliency;
 mod scene;
 mod simplify;
+mod subdivide;
 mod task;
 mod tiles;
 mod validate;
@@ -29,6 +30,7 @@ pub enum Command {
     Lod(lod::Args),
     Simplify(simplify::Args),
     Replay(replay::Args),
+    Subdivide(subdivide::Args),
     Saliency(saliency::Args),
     Hierarchy(hierarchy::Args),
     Info(info::Args),
@@ -52,6 +54,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Lod(args) => lod::run(&args, console),
         Command::Simplify(args) => simplify::run(&args, console),
         Command::Replay(args) => replay::run(&args, console),
+        Command::Subdivide(args) => subdivide::run(&args, console),
         Command::Saliency(args) => saliency::run(&args, console),
         Command::Hierarchy(args) => hierarchy::run(&args, console),
         Command::Info(args) => info::run(&args, console),

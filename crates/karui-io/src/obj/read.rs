@@ -36,19 +36,19 @@ pub(crate) fn read_control(source: &mut Source<'_>) -> Result<Control> {
 impl State {
     /// Reads the statements one after the other.
     fn lines(&mut self, bytes: &[u8]) -> Result<()> {
-    if bytes.is_empty() {
-        let kind = ErrorKind::truncated("an OBJ model", "an empty file");
-        return Err(Error::new(Place::File, kind));
+        if bytes.is_empty() {
+            let kind = ErrorKind::truncated("an OBJ model", "an empty file");
+            return Err(Error::new(Place::File, kind));
+        }
+        let mut lines = Lines::new(bytes);
+        while let Some(line) = lines.next() {
+            let first = lines.line;
+            let line = joined(line, &mut lines);
+            let result = self.line(&line, first);
+            result.map_err(|kind| Error::new(Place::Line(first), kind))?;
+        }
+        Ok(())
     }
-    let mut lines = Lines::new(bytes);
-    while let Some(line) = lines.next() {
-        let first = lines.line;
-        let line = joined(line, &mut lines);
-        let result = self.line(&line, first);
-        result.map_err(|kind| Error::new(Place::Line(first), kind))?;
-    }
-    Ok(())
-}
 }
 
 /// A line with those it goes on in after a final `\`.
@@ -198,7 +198,10 @@ impl State {
         let found = self.corners.len() - before;
         if found < 3 && self.tags.is_some() {
             // Tags count faces, so that none may be passed over.
-            return Err(ErrorKind::syntax("3 corners of a face or more", found.to_string()));
+            return Err(ErrorKind::syntax(
+                "3 corners of a face or more",
+                found.to_string(),
+            ));
         }
         if found < 3 {
             self.corners.truncate(before);

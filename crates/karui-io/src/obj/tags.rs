@@ -7,9 +7,7 @@ use crate::{
     error::ErrorKind,
     text::{Words, float, integer, quote},
 };
-use karui::subdiv::{
-    Boundary, Corner, Crease, CreaseMethod, FaceVaryingRule, Rules, TriangleRule,
-};
+use karui::subdiv::{Boundary, Corner, Crease, CreaseMethod, FaceVaryingRule, Rules, TriangleRule};
 
 /// What has been read so far.
 #[derive(Default)]
@@ -97,12 +95,17 @@ impl<'a> Arguments<'a> {
             if found.len() == count {
                 return Ok(found);
             }
-            Err(ErrorKind::syntax(format!("{count} {what}"), found.len().to_string()))
+            Err(ErrorKind::syntax(
+                format!("{count} {what}"),
+                found.len().to_string(),
+            ))
         };
         let whole = take(*whole, "whole numbers")?.into_iter().map(index);
         let whole = whole.collect::<Result<_, _>>()?;
         let numbers = take(*numbers, "numbers")?.into_iter();
-        let numbers = numbers.map(|word| float(word, "sharpness")).collect::<Result<_, _>>()?;
+        let numbers = numbers
+            .map(|word| float(word, "sharpness"))
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             whole,
             numbers,
@@ -112,7 +115,9 @@ impl<'a> Arguments<'a> {
 
     fn sharpness(&self, i: usize) -> Result<f32, ErrorKind> {
         let found = self.numbers.get(i).or(self.numbers.first());
-        found.copied().ok_or_else(|| ErrorKind::syntax("a sharpness", "none"))
+        found
+            .copied()
+            .ok_or_else(|| ErrorKind::syntax("a sharpness", "none"))
     }
 
     /// The one of `all` that the first number names.

@@ -89,8 +89,7 @@ impl Cage {
     }
 
     fn check_face(&self, face: usize) -> Result<()> {
-        let corners =
-            &self.indices[self.offsets[face] as usize..self.offsets[face + 1] as usize];
+        let corners = &self.indices[self.offsets[face] as usize..self.offsets[face + 1] as usize];
         if let Some(&index) = corners.iter().find(|&&v| v as usize >= self.vertices) {
             return Err(self.out_of_range(face, index));
         }
@@ -114,7 +113,11 @@ impl Cage {
         if let Some(index) = named.find(|&v| v as usize >= self.vertices) {
             return Err(self.out_of_range(0, index));
         }
-        match self.holes.iter().find(|&&f| f as usize >= self.face_count()) {
+        match self
+            .holes
+            .iter()
+            .find(|&&f| f as usize >= self.face_count())
+        {
             Some(&to) => Err(Error::BadReference {
                 what: "hole",
                 index: 0,

@@ -1,9 +1,7 @@
 //! A cage with its positions and what else it carries.
 
 use super::cage::Cage;
-use super::options::{
-    Boundary, CreaseMethod, FaceVaryingRule, SubdivOptions, TriangleRule,
-};
+use super::options::{Boundary, CreaseMethod, FaceVaryingRule, SubdivOptions, TriangleRule};
 use crate::mesh::{PolyMesh, PositionIds};
 use glam::{Vec2, Vec3, Vec4};
 

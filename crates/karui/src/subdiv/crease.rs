@@ -117,7 +117,11 @@ pub(super) fn share(vertex: f32, edges: &[f32], next: &[f32], method: CreaseMeth
             count += 1;
         }
     }
-    if count == 0 { 0.0 } else { (sum / count as f32).min(1.0) }
+    if count == 0 {
+        0.0
+    } else {
+        (sum / count as f32).min(1.0)
+    }
 }
 
 #[cfg(test)]
@@ -136,11 +140,20 @@ mod tests {
     #[test]
     fn rules_and_shares() {
         let b = blend(0.0, &[0.25, 0.75, 0.0], CreaseMethod::Uniform);
-        assert_eq!((b.before, b.after, b.share), (Rule::Crease, Rule::Smooth, 0.5));
+        assert_eq!(
+            (b.before, b.after, b.share),
+            (Rule::Crease, Rule::Smooth, 0.5)
+        );
         let b = blend(0.0, &[2.0, 2.0, 0.5], CreaseMethod::Uniform);
-        assert_eq!((b.before, b.after, b.share), (Rule::Corner, Rule::Crease, 0.5));
+        assert_eq!(
+            (b.before, b.after, b.share),
+            (Rule::Corner, Rule::Crease, 0.5)
+        );
         let b = blend(1.0, &[0.0; 3], CreaseMethod::Uniform);
-        assert_eq!((b.before, b.after, b.share), (Rule::Corner, Rule::Smooth, 1.0));
+        assert_eq!(
+            (b.before, b.after, b.share),
+            (Rule::Corner, Rule::Smooth, 1.0)
+        );
         assert_eq!(Rule::of(0.0, &[3.0]), Rule::Smooth);
     }
 }

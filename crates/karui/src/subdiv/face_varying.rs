@@ -57,7 +57,10 @@ impl Charts {
             corner_edges: found.corner_edges,
             edge_sharpness: vec![INFINITELY_SHARP; found.edges.len()],
             vertex_sharpness: vec![0.0; value.len()],
-            odd_vertices: vertex.iter().map(|&v| surface.odd_vertices[v as usize]).collect(),
+            odd_vertices: vertex
+                .iter()
+                .map(|&v| surface.odd_vertices[v as usize])
+                .collect(),
             edges: found.edges,
             odd_edges: found.odd,
             ..surface.clone()
@@ -152,7 +155,8 @@ impl Charts {
             let between = around.iter().filter(|&&s| s > 0.0 && s < INFINITELY_SHARP);
             semi_sharp[i.min(1)] = between.count();
         }
-        let dependent = rule == FaceVaryingRule::CornersPlus1 || rule == FaceVaryingRule::CornersPlus2;
+        let dependent =
+            rule == FaceVaryingRule::CornersPlus1 || rule == FaceVaryingRule::CornersPlus2;
         if let (&[a, b], true) = (values, dependent) {
             let pair = match semi_sharp.map(|count| count > 0) {
                 [false, true] => [a, b],

@@ -67,7 +67,9 @@ impl Level {
         let edges = self.vertex_edges(v).iter();
         let ring = Ring {
             center: &from[v as usize],
-            edges: edges.map(|&e| &from[self.other_end(e, v) as usize]).collect(),
+            edges: edges
+                .map(|&e| &from[self.other_end(e, v) as usize])
+                .collect(),
             faces: self.opposite(v).map(|v| &from[v as usize]).collect(),
         };
         let sharp: Vec<usize> = (0..ring.edges.len())
@@ -94,7 +96,10 @@ impl Level {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> Vec3 {
-    DVec3::from(a).cross(DVec3::from(b)).normalize_or_zero().as_vec3()
+    DVec3::from(a)
+        .cross(DVec3::from(b))
+        .normalize_or_zero()
+        .as_vec3()
 }
 
 struct Ring<'a> {
@@ -130,7 +135,8 @@ impl Ring<'_> {
         let lambda = (5.0 + cos + half * (2.0 * (9.0 + cos)).sqrt()) / 16.0;
         let face = 1.0 / (4.0 * lambda - 1.0);
         let outer = 1.0 / (n * (n + 5.0));
-        let [mut position, mut first, mut second] = [self.own(1.0 - 5.0 * n * outer), Sum::ZERO, Sum::ZERO];
+        let [mut position, mut first, mut second] =
+            [self.own(1.0 - 5.0 * n * outer), Sum::ZERO, Sum::ZERO];
         for (i, (end, across)) in self.edges.iter().zip(&self.faces).enumerate() {
             let (s, c) = sin_cos(i as f64 * theta);
             let (next_s, next_c) = sin_cos((i + 1) as f64 * theta);

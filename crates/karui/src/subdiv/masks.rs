@@ -19,17 +19,25 @@ pub(super) fn step<const N: usize>(
     to: &mut [[f32; N]],
 ) {
     let (vertices, rest) = to.split_at_mut(level.vertices);
-    let face_points = if kind.triangles { 0 } else { level.faces.count() };
+    let face_points = if kind.triangles {
+        0
+    } else {
+        level.faces.count()
+    };
     let (faces, edges) = rest.split_at_mut(face_points);
     each(faces, |f| face_point(level, f, from));
     let faces = &*faces;
     each(edges, |e| edge_point(level, kind, e as u32, from, faces));
-    each(vertices, |v| vertex_point(level, kind, v as u32, from, faces));
+    each(vertices, |v| {
+        vertex_point(level, kind, v as u32, from, faces)
+    });
 }
 
 fn each<const N: usize>(to: &mut [[f32; N]], value: impl Fn(usize) -> Sum<N> + Sync) {
     let batches = to.par_iter_mut().with_min_len(BATCH);
-    batches.enumerate().for_each(|(i, to)| *to = value(i).value());
+    batches
+        .enumerate()
+        .for_each(|(i, to)| *to = value(i).value());
 }
 
 /// The mean of a face's vertices.
@@ -105,12 +113,7 @@ fn fixed<const N: usize>(from: &[[f32; N]], v: u32) -> Sum<N> {
 }
 
 /// A vertex of a curve. `after` takes the edges that are still sharp after the step.
-fn crease_vertex<const N: usize>(
-    level: &Level,
-    v: u32,
-    from: &[[f32; N]],
-    after: bool,
-) -> Sum<N> {
+fn crease_vertex<const N: usize>(level: &Level, v: u32, from: &[[f32; N]], after: bool) -> Sum<N> {
     let mut sum = Sum::ZERO;
     for e in level.crease_ends(v, after) {
         sum.add(0.125, &from[level.other_end(e, v) as usize]);

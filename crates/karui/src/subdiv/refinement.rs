@@ -86,7 +86,8 @@ impl Refinement {
     /// edges.
     pub fn face_varying(&self, indices: &[u32], count: usize) -> Result<Self> {
         let scheme = self.options.scheme;
-        let crosses = scheme == Scheme::Sqrt3 || (scheme == Scheme::Sqrt2 && self.options.levels % 2 == 1);
+        let crosses =
+            scheme == Scheme::Sqrt3 || (scheme == Scheme::Sqrt2 && self.options.levels % 2 == 1);
         if crosses && self.options.levels > 0 {
             return Err(Error::BadOption {
                 option: "scheme",
@@ -182,9 +183,15 @@ impl Refinement {
         let holes = !level.holes.is_empty();
         let is_hole = |&e: &u32| {
             let corners = level.edge_corners(e).iter();
-            corners.into_iter().all(|&c| level.is_hole(level.faces.of_corner(c) as usize))
+            corners
+                .into_iter()
+                .all(|&c| level.is_hole(level.faces.of_corner(c) as usize))
         };
-        self.holes = if holes { odd.carried.iter().map(is_hole).collect() } else { Vec::new() };
+        self.holes = if holes {
+            odd.carried.iter().map(is_hole).collect()
+        } else {
+            Vec::new()
+        };
         self.stages.push(Stage::Odd(level, odd));
     }
 
@@ -216,7 +223,11 @@ impl Refinement {
     /// Vertex of every corner after the last step. The vertices of the cage come first.
     #[must_use]
     pub fn corners(&self) -> &[u32] {
-        if self.stages.is_empty() { &self.base.corners } else { &self.corners }
+        if self.stages.is_empty() {
+            &self.base.corners
+        } else {
+            &self.corners
+        }
     }
 
     /// Whether face `f` is left out of the surface.
@@ -327,7 +338,12 @@ impl Refinement {
             levels = levels.div_ceil(2);
         }
         // Masks are for the faces that the scheme makes, which a cage need not have.
-        levels += u32::from(levels == 0 && !self.base.is_uniform(if self.kind.triangles { 3 } else { 4 }));
+        levels += u32::from(
+            levels == 0
+                && !self
+                    .base
+                    .is_uniform(if self.kind.triangles { 3 } else { 4 }),
+        );
         let mut level = self.base.clone();
         let mut values = positions.to_vec();
         for _ in 0..levels {
@@ -392,7 +408,10 @@ impl Stage {
 }
 
 fn repeated(holes: &[bool], times: usize) -> Vec<bool> {
-    holes.iter().flat_map(|&hole| std::iter::repeat_n(hole, times)).collect()
+    holes
+        .iter()
+        .flat_map(|&hole| std::iter::repeat_n(hole, times))
+        .collect()
 }
 
 fn check_scheme(cage: &Cage, base: &Level, scheme: Scheme) -> Result<()> {

@@ -10,7 +10,13 @@ pub(super) fn faces(scheme: Scheme, levels: u32, level: &Level) -> f64 {
     let [faces, corners] = [level.faces.count(), level.corners.len()].map(|n| n as f64);
     // Beyond this the number has no digits left.
     let levels = levels.min(500) as i32;
-    let quads = |steps: i32| if steps == 0 { faces } else { corners * 4f64.powi(steps - 1) };
+    let quads = |steps: i32| {
+        if steps == 0 {
+            faces
+        } else {
+            corners * 4f64.powi(steps - 1)
+        }
+    };
     match scheme {
         Scheme::CatmullClark | Scheme::Bilinear => quads(levels),
         Scheme::Loop => faces * 4f64.powi(levels),
@@ -19,7 +25,11 @@ pub(super) fn faces(scheme: Scheme, levels: u32, level: &Level) -> f64 {
         Scheme::Sqrt2 => {
             let half = levels / 2;
             let edges = level.edges.len() as f64;
-            if half == 0 { edges } else { edges * 2f64.powi(half) + corners * inside(half) }
+            if half == 0 {
+                edges
+            } else {
+                edges * 2f64.powi(half) + corners * inside(half)
+            }
         }
     }
 }

@@ -73,9 +73,11 @@ impl Odd {
     fn quad(&mut self, level: &Level, left: u32, right: u32) {
         let point = |c: u32| self.first_face_point + level.faces.of_corner(c);
         let ends = [left, right].map(|c| level.corners[c as usize]);
-        self.corners.extend([ends[0], point(right), ends[1], point(left)]);
+        self.corners
+            .extend([ends[0], point(right), ends[1], point(left)]);
         let [after_left, after_right] = [left, right].map(|c| Some(level.faces.next(c)));
-        self.sides.extend([after_right, Some(right), after_left, Some(left)]);
+        self.sides
+            .extend([after_right, Some(right), after_left, Some(left)]);
         self.carried.push(level.corner_edges[left as usize]);
     }
 
@@ -102,7 +104,12 @@ impl Odd {
     /// others, in order of edges.
     #[must_use]
     pub fn even(&self) -> Vec<[u32; 4]> {
-        let count = self.sides.iter().flatten().max().map_or(0, |&c| c as usize + 1);
+        let count = self
+            .sides
+            .iter()
+            .flatten()
+            .max()
+            .map_or(0, |&c| c as usize + 1);
         let mut quads = vec![[u32::MAX; 4]; count];
         for (f, &edge) in self.carried.iter().enumerate() {
             let carried = self.vertices as u32 + edge;

@@ -40,9 +40,16 @@ impl Step {
         for f in 0..level.faces.count() {
             let open = |&c: &usize| level.edge_corners(level.corner_edges[c]).len() < 2;
             let first = vertices as u32;
-            let corner = level.faces.corners(f).find(open).filter(|_| divides_boundary);
+            let corner = level
+                .faces
+                .corners(f)
+                .find(open)
+                .filter(|_| divides_boundary);
             points.push(match corner {
-                Some(corner) => Point::OnEdge { first, corner: corner as u32 },
+                Some(corner) => Point::OnEdge {
+                    first,
+                    corner: corner as u32,
+                },
                 None => Point::Inside(first),
             });
             vertices += 1 + usize::from(corner.is_some());
@@ -156,8 +163,12 @@ impl Step {
         let level = &self.level;
         let e = level.corner_edges[corner as usize];
         let next = level.faces.next(corner);
-        let [near, far] = if second { [next, corner] } else { [corner, next] }
-            .map(|c| level.corners[c as usize]);
+        let [near, far] = if second {
+            [next, corner]
+        } else {
+            [corner, next]
+        }
+        .map(|c| level.corners[c as usize]);
         let mut sum = Sum::ZERO;
         let open = |&&at: &&u32| at != e && level.edge_corners(at).len() < 2;
         let before = level.vertex_edges(near).iter().find(open);

@@ -55,7 +55,12 @@ pub fn subdivide(
             let values: Vec<[f32; 2]> = uvs.values.iter().map(Vec2::to_array).collect();
             let charts = refinement.face_varying(&uvs.indices, values.len())?;
             let values = charts.evaluate(&values)?.into_iter();
-            split_at_seams(&mut mesh, &refinement, &charts, values.map(Vec2::from).collect())
+            split_at_seams(
+                &mut mesh,
+                &refinement,
+                &charts,
+                values.map(Vec2::from).collect(),
+            )
         }
         None => refinement.corners().to_vec(),
     };
@@ -128,13 +133,19 @@ fn drop_unused(mesh: &mut PolyMesh) {
     let mut new_index = vec![u32::MAX; whole.positions.len()];
     mesh.indices.iter().for_each(|&v| new_index[v as usize] = 0);
     let mut kept = Vec::new();
-    for (v, new) in new_index.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
+    for (v, new) in new_index
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, new)| **new == 0)
+    {
         *new = kept.len() as u32;
         kept.push(v as u32);
     }
     if kept.len() < new_index.len() {
         whole.gather_vertices(&kept);
-        mesh.indices.iter_mut().for_each(|v| *v = new_index[*v as usize]);
+        mesh.indices
+            .iter_mut()
+            .for_each(|v| *v = new_index[*v as usize]);
     }
     (mesh.positions, mesh.attributes) = (whole.positions, whole.attributes);
 }

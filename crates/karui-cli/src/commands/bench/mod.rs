@@ -8,6 +8,7 @@ mod one;
 pub(super) mod page;
 mod saliency;
 mod simplify;
+mod subdivide;
 mod thesis;
 mod views;
 
@@ -30,6 +31,7 @@ enum What {
     Views(views::Args),
     Thesis(thesis::Args),
     Hlod(hlod::Args),
+    Subdivide(subdivide::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
@@ -45,6 +47,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Views(args) => views::run(args, console),
         What::Thesis(args) => thesis::run(args, console),
         What::Hlod(args) => hlod::run(args, console),
+        What::Subdivide(args) => subdivide::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),

@@ -78,13 +78,21 @@ impl Faces {
     #[must_use]
     pub fn next(&self, c: u32) -> u32 {
         let range = self.corners(self.of_corner(c) as usize);
-        if c as usize + 1 == range.end { range.start as u32 } else { c + 1 }
+        if c as usize + 1 == range.end {
+            range.start as u32
+        } else {
+            c + 1
+        }
     }
 
     /// The corner before `c` in its face.
     #[must_use]
     pub fn previous(&self, c: u32) -> u32 {
         let range = self.corners(self.of_corner(c) as usize);
-        if c as usize == range.start { range.end as u32 - 1 } else { c - 1 }
+        if c as usize == range.start {
+            range.end as u32 - 1
+        } else {
+            c - 1
+        }
     }
 }

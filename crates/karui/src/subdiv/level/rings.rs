@@ -14,7 +14,10 @@ impl Level {
     /// others become `odd_vertices`.
     pub(in crate::subdiv) fn build_rings(&mut self) {
         let by = |list: &[u32]| -> Vec<(u32, u32)> {
-            list.iter().enumerate().map(|(c, &to)| (to, c as u32)).collect()
+            list.iter()
+                .enumerate()
+                .map(|(c, &to)| (to, c as u32))
+                .collect()
         };
         let corner_pairs = by(&self.corners);
         let edge_pairs = by(&self.corner_edges);
@@ -33,7 +36,10 @@ impl Level {
                 continue;
             }
             if self.walk(v as u32, &mut corners, &mut edges) {
-                self.rings.vertex_corners.row_mut(v).copy_from_slice(&corners);
+                self.rings
+                    .vertex_corners
+                    .row_mut(v)
+                    .copy_from_slice(&corners);
                 self.rings.vertex_edges.row_mut(v).copy_from_slice(&edges);
             } else {
                 self.odd_vertices[v] = true;
@@ -49,7 +55,11 @@ impl Level {
         let edge_count = self.vertex_edges(v).len();
         let ends = |&&c: &&u32| self.edge_corners(self.corner_edges[c as usize]).len() == 1;
         let is_open = edge_count > all.len();
-        let start = if is_open { all.iter().find(ends) } else { all.first() };
+        let start = if is_open {
+            all.iter().find(ends)
+        } else {
+            all.first()
+        };
         let Some(&start) = start else {
             return false;
         };
@@ -76,6 +86,8 @@ impl Level {
     fn across(&self, edge: u32, corner: u32) -> Option<u32> {
         let face = self.faces.of_corner(corner);
         let others = self.edge_corners(edge).iter().copied();
-        others.into_iter().find(|&c| self.faces.of_corner(c) != face)
+        others
+            .into_iter()
+            .find(|&c| self.faces.of_corner(c) != face)
     }
 }

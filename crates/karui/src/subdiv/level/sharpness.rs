@@ -22,7 +22,9 @@ impl Level {
         if !cage.holes.is_empty() || boundary == Boundary::None {
             self.holes = vec![false; self.faces.count()];
         }
-        cage.holes.iter().for_each(|&f| self.holes[f as usize] = true);
+        cage.holes
+            .iter()
+            .for_each(|&f| self.holes[f as usize] = true);
         if boundary == Boundary::None {
             self.leave_out_boundaries();
         }
@@ -59,7 +61,10 @@ impl Level {
         for v in 0..self.vertices as u32 {
             let (faces, edges) = (self.vertex_corners(v).len(), self.vertex_edges(v));
             let is_corner = faces == 1 && edges.len() == 2;
-            let odd = edges.iter().filter(|&&e| self.odd_edges[e as usize]).count();
+            let odd = edges
+                .iter()
+                .filter(|&&e| self.odd_edges[e as usize])
+                .count();
             let open = edges.iter().any(|&e| self.edge_corners(e).len() < 2);
             // Three sheets and more that meet in a curve are no reason to stop the curve.
             let is_curve = odd == 2 && !open && faces > edges.len();
@@ -97,7 +102,11 @@ impl Level {
             around.any(|(&at, s)| at == e && s > 0.0)
         };
         let both = self.creases == CreaseMethod::Chaikin && self.edge(e).into_iter().all(goes_on);
-        if both { 1.0 } else { self.edge_sharpness(e).min(1.0) }
+        if both {
+            1.0
+        } else {
+            self.edge_sharpness(e).min(1.0)
+        }
     }
 
     /// The first and last sharp edge around `v`: of those sharp now, or of those still sharp

@@ -12,11 +12,7 @@ pub(super) fn offset(step: u32) -> usize {
 impl Patches {
     /// Values along every edge from its first end to its second, ends included, step after
     /// step.
-    pub(super) fn fill_curves<const N: usize>(
-        &self,
-        rings: &Rings<N>,
-        to: &mut Vec<[f32; N]>,
-    ) {
+    pub(super) fn fill_curves<const N: usize>(&self, rings: &Rings<N>, to: &mut Vec<[f32; N]>) {
         let size = self.curve_size();
         to.resize(size * self.start.edges.len(), [0.0; N]);
         let edges = to.par_chunks_exact_mut(size).with_min_len(16).enumerate();
@@ -74,7 +70,11 @@ impl Patches {
         // the one before.
         let beside = |end: usize, next: bool| {
             let ring = self.start.vertex_edges(ends[end]).len();
-            let place = if next { places[end] + 1 } else { places[end] + ring - 1 };
+            let place = if next {
+                places[end] + 1
+            } else {
+                places[end] + ring - 1
+            };
             rings.neighbour(self, ends[end], place, step)
         };
         for (side, left) in [(0, true), (1, false)] {

@@ -18,7 +18,12 @@ impl Patches {
             let width = self.side() as u32 + 1;
             for (to, &cell) in to.as_chunks_mut::<4>().0.iter_mut().zip(&self.layout.cells) {
                 let row = [cell, cell + width].map(|i| i as usize);
-                *to = [grid[row[0]], grid[row[0] + 1], grid[row[1] + 1], grid[row[1]]];
+                *to = [
+                    grid[row[0]],
+                    grid[row[0] + 1],
+                    grid[row[1] + 1],
+                    grid[row[1]],
+                ];
             }
         });
         corners
@@ -55,7 +60,11 @@ impl Patches {
             for block in self.layout.blocks.iter().filter(|block| block.of_edges) {
                 let first = block.first + e * block.places.len() as u32;
                 for (number, &place) in (first..).zip(&block.places) {
-                    let t = if forward { place as usize } else { n - place as usize };
+                    let t = if forward {
+                        place as usize
+                    } else {
+                        n - place as usize
+                    };
                     grid[start.wrapping_add_signed(stride * t as isize)] = number;
                 }
             }

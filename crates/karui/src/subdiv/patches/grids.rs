@@ -1,8 +1,8 @@
 //! The points inside every patch.
 
+use super::Patches;
 use super::curves::offset;
 use super::rings::Rings;
-use super::Patches;
 use rayon::prelude::*;
 
 /// Patches a thread takes at a time.
@@ -25,7 +25,11 @@ impl Patches {
         groups.resize_with(faces.div_ceil(GROUP), Vec::new);
         for block in &self.layout.blocks {
             let each = block.places.len();
-            let count = if block.of_edges { self.start.edges.len() } else { faces };
+            let count = if block.of_edges {
+                self.start.edges.len()
+            } else {
+                faces
+            };
             let (part, after) = rest.split_at_mut(each * count);
             rest = after;
             if block.of_edges {
@@ -53,12 +57,14 @@ impl Patches {
     ) {
         let (size, last) = (self.curve_size(), offset(self.layout.depth));
         let edges = to.par_chunks_exact_mut(places.len()).with_min_len(256);
-        edges.zip(curves.par_chunks_exact(size)).for_each(|(to, curve)| {
-            let curve = &curve[last..];
-            for (to, &place) in to.iter_mut().zip(places) {
-                *to = curve[place as usize];
-            }
-        });
+        edges
+            .zip(curves.par_chunks_exact(size))
+            .for_each(|(to, curve)| {
+                let curve = &curve[last..];
+                for (to, &place) in to.iter_mut().zip(places) {
+                    *to = curve[place as usize];
+                }
+            });
     }
 
     fn copy_grid<const N: usize>(

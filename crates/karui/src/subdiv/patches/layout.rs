@@ -48,22 +48,34 @@ impl Layout {
             let size = side >> step;
             let half = size / 2;
             let center = |c: &[u32; 2]| [c[0] + half, c[1] + half];
-            layout.push(faces, cells.iter().map(|c| layout_place(center(c), side)), false);
+            layout.push(
+                faces,
+                cells.iter().map(|c| layout_place(center(c), side)),
+                false,
+            );
             for pieces in &inside {
-                layout.push(faces, pieces.iter().map(|p| layout_place(middle(p), side)), false);
+                layout.push(
+                    faces,
+                    pieces.iter().map(|p| layout_place(middle(p), side)),
+                    false,
+                );
             }
             layout.push(edges, along.iter().map(|p| middle(p)[0]), true);
             inside = inside.iter().map(|pieces| halves(pieces)).collect();
             let spokes = cells.iter().flat_map(|c| {
                 let [x, y] = *c;
-                let ends = [[x + half, y], [x + size, y + half], [x + half, y + size], [x, y + half]];
+                let ends = [
+                    [x + half, y],
+                    [x + size, y + half],
+                    [x + half, y + size],
+                    [x, y + half],
+                ];
                 ends.map(|end| [center(c), end])
             });
             inside.insert(0, spokes.collect());
             along = halves(&along);
-            let quarters = |&[x, y]: &[u32; 2]| {
-                [[x, y], [x + half, y], [x + half, y + half], [x, y + half]]
-            };
+            let quarters =
+                |&[x, y]: &[u32; 2]| [[x, y], [x + half, y], [x + half, y + half], [x, y + half]];
             cells = cells.iter().flat_map(quarters).collect();
         }
         layout.cells = cells.iter().map(|&c| layout_place(c, side)).collect();

@@ -12,10 +12,10 @@ mod grids;
 mod layout;
 mod rings;
 
+use super::cage::INFINITELY_SHARP;
 use super::crease::decayed;
 use super::level::Level;
 use super::options::CreaseMethod;
-use super::cage::INFINITELY_SHARP;
 use layout::Layout;
 
 /// A level of quads that is divided several times at once.
@@ -59,7 +59,12 @@ impl Patches {
 
     /// `start` divided `depth` times, at least once.
     pub fn new(start: Level, depth: u32) -> Self {
-        let layout = Layout::new(depth, start.vertices, start.faces.count(), start.edges.len());
+        let layout = Layout::new(
+            depth,
+            start.vertices,
+            start.faces.count(),
+            start.edges.len(),
+        );
         let place = |e: usize, v: u32| {
             let ring = start.vertex_edges(v);
             ring.iter().position(|&at| at as usize == e).unwrap_or(0) as u32

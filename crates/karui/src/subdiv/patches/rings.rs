@@ -71,7 +71,9 @@ fn fill<const N: usize>(patches: &Patches, v: u32, from: &[[f32; N]], to: &mut [
     let (edges, corners) = (start.vertex_edges(v), start.vertex_corners(v));
     to[0] = from[v as usize];
     let ends = edges.iter().map(|&e| start.other_end(e, v));
-    let across = corners.iter().map(|&c| start.corners[(c & !3 | (c + 2) & 3) as usize]);
+    let across = corners
+        .iter()
+        .map(|&c| start.corners[(c & !3 | (c + 2) & 3) as usize]);
     for (to, v) in to[1..].iter_mut().zip(ends.chain(across)) {
         *to = from[v as usize];
     }
@@ -85,11 +87,7 @@ fn fill<const N: usize>(patches: &Patches, v: u32, from: &[[f32; N]], to: &mut [
             faces: &before[1 + edges.len()..],
             sharpness: &sharpness,
         };
-        ring.step(
-            after(start.vertex_sharpness(v), step),
-            start.creases,
-            next,
-        );
+        ring.step(after(start.vertex_sharpness(v), step), start.creases, next);
     }
 }
 

@@ -14,7 +14,6 @@ pub(super) struct Kind {
     pub linear: bool,
 }
 
-
 /// The parts that a way of splitting decides.
 struct Child {
     vertices: usize,
@@ -39,7 +38,11 @@ impl Level {
     /// The next level. Rings are found only if `complete`: the last level needs none unless
     /// its limits are asked for.
     pub(super) fn refined(&self, kind: Kind, complete: bool) -> Self {
-        let child = if kind.triangles { self.triangles() } else { self.quads() };
+        let child = if kind.triangles {
+            self.triangles()
+        } else {
+            self.quads()
+        };
         let (mut vertex_sharpness, halves) = self.decayed();
         vertex_sharpness.resize(child.vertices, 0.0);
         let inside = child.edges.len() - 2 * self.edges.len();
@@ -90,6 +93,10 @@ impl Level {
     /// Which of the two halves of `e` is at the corner that `e` leaves (`true`) or enters.
     fn half(&self, e: u32, vertex: u32, leaves: bool) -> u32 {
         let [a, b] = self.edges[e as usize];
-        if a == b { u32::from(!leaves) } else { u32::from(a != vertex) }
+        if a == b {
+            u32::from(!leaves)
+        } else {
+            u32::from(a != vertex)
+        }
     }
 }

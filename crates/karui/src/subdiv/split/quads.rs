@@ -32,7 +32,10 @@ impl Level {
         let edge_point = |e: usize| (first_edge_point + e) as u32;
         let inside = (0..corners).map(|c| {
             let face = self.faces.of_corner(c as u32);
-            [self.vertices as u32 + face, edge_point(self.corner_edges[c] as usize)]
+            [
+                self.vertices as u32 + face,
+                edge_point(self.corner_edges[c] as usize),
+            ]
         });
         child.edges.extend(inside);
         let along = self.edges.iter().enumerate();
@@ -67,7 +70,11 @@ impl Level {
             before,
             inside + 2 * trailing + self.half(trailing, vertex, false),
         ];
-        let turn = if range.len() == 4 { c as usize - range.start } else { 0 };
+        let turn = if range.len() == 4 {
+            c as usize - range.start
+        } else {
+            0
+        };
         (vertices, edges, turn)
     }
 }

@@ -28,7 +28,8 @@ impl Level {
             edges.copy_from_slice(found[1].as_flattened());
         });
         let point = |c: usize| self.vertices as u32 + self.corner_edges[c];
-        let inside = (0..corners).map(|c| [point(c), point(self.faces.previous(c as u32) as usize)]);
+        let inside =
+            (0..corners).map(|c| [point(c), point(self.faces.previous(c as u32) as usize)]);
         child.edges.extend(inside);
         for (e, ends) in self.edges.iter().enumerate() {
             let point = (self.vertices + e) as u32;
