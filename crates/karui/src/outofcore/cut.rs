@@ -164,7 +164,7 @@ mod tests {
                 let end = cuts.get(i + 1).copied().unwrap_or(u64::MAX);
                 let inside = keys.iter().filter(|k| (first..end).contains(k)).count() as u64;
                 prop_assert!(which > 0 || inside <= limit, "{} of {}", inside, limit);
-                prop_assert!(inside < keys.len() || keys.len() as u64 <= limit.max(2));
+                prop_assert!(inside < keys.len() as u64 || keys.len() as u64 <= limit.max(2));
             }
         }
     }

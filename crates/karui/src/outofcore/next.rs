@@ -97,12 +97,7 @@ fn after(
             Ok(reading(plan, &manifest.phase, Some(keys), &[]))
         }
         Kind::Scan => Ok(fetching(plan, manifest, results)),
-        Kind::Fetch => Ok(reading(
-            plan,
-            &manifest.phase,
-            manifest.phase.next.clone(),
-            results,
-        )),
+        Kind::Fetch => Ok(reading(plan, &manifest.phase, manifest.phase.next, results)),
         Kind::Read | Kind::Simplify => bordering(store, plan, manifest, results),
         Kind::Borders => simplifying(store, manifest, results),
     }
@@ -196,7 +191,7 @@ fn bordering(
         target: target(wanted, triangles, last),
         error: options.error.map(|bound| left(bound, error, last)),
         last: false,
-        keys: before.next.clone(),
+        keys: before.next,
         range: 0,
         sample: before.sample,
         next: before.next.as_ref().map(|keys| keys.at_level(level + 1)),
