@@ -4,8 +4,8 @@ use karui::geom::{Vec2, Vec3};
 use karui::mesh::{Attributes, TopologyReport, diagnose, shapes};
 use karui::metrics::{SurfaceDistanceOptions, surface_distance};
 use karui::outofcore::{
-    Error, Folder, Manifest, Memory, Next, Plan, PlanOptions, Result, RunOptions, Scheme, Sink,
-    Source, Store, Summary, Vertices, manifests, next, run, run_task, verify, write,
+    Error, Folder, Manifest, Memory, Next, PLAN, Plan, PlanOptions, Result, RunOptions, Scheme,
+    Sink, Source, Store, Summary, Vertices, manifests, next, run, run_task, verify, write,
 };
 use karui::simplify::Quality;
 use karui::{Progress, Silent, SimplifyOptions, Stop, TriMesh, simplify};
@@ -24,7 +24,9 @@ struct Whole {
 impl Sink for Whole {
     fn begin(&mut self, vertices: u64, triangles: u64, layout: &Attributes) -> Result<()> {
         self.announced = [vertices, triangles];
-        self.mesh.attributes = layout.clone();
+        // Enough to see that attributes come along.
+        self.mesh.attributes.normals.clone_from(&layout.normals);
+        self.mesh.attributes.uvs.clone_from(&layout.uvs);
         Ok(())
     }
 
@@ -233,7 +235,10 @@ fn scattered_vertices_are_brought_together() {
     assert_eq!(source.1.into_inner(), 2 * other.positions.len());
 }
 
-/// Counts the vertices that are read.
+/// Triangles of a portion.
+const FEW: usize = 512;
+
+/// Counts the vertices that are read; its portions are small.
 struct Sparing<'a>(Memory<'a>, AtomicUsize);
 
 impl Source for Sparing<'_> {
@@ -241,7 +246,7 @@ impl Source for Sparing<'_> {
         self.0.vertices()
     }
     fn chunks(&self) -> u64 {
-        self.0.chunks()
+        self.0.0.triangles.len().div_ceil(FEW) as u64
     }
     fn read_vertices(&self, ids: Range<u64>) -> Result<Vertices> {
         let count = (ids.end - ids.start) as usize;
@@ -249,7 +254,9 @@ impl Source for Sparing<'_> {
         self.0.read_vertices(ids)
     }
     fn read_triangles(&self, chunk: u64) -> Result<Vec<[u64; 3]>> {
-        self.0.read_triangles(chunk)
+        let few = self.0.0.triangles.chunks(FEW).nth(chunk as usize);
+        let few = few.unwrap_or_default().iter();
+        Ok(few.map(|t| t.map(u64::from)).collect())
     }
 }
 
@@ -360,7 +367,7 @@ fn flipped_bits_are_found_and_mended() {
     assert_eq!(verify(&store).expect("verified"), Vec::<String>::new());
     let kinds = [".block", ".rims", ".json"];
     for name in store.list().expect("names") {
-        if !kinds.iter().any(|kind| name.ends_with(kind)) {
+        if name == PLAN || !kinds.iter().any(|kind| name.ends_with(kind)) {
             continue;
         }
         let good = store.get(&name).expect("bytes");
