@@ -1,6 +1,5 @@
 //! Makes a block of a mesh: triangles by key, in pages.
 
-use super::Result;
 use super::block::{BUCKETS, Bucket, COSTS, Head, Page, Place, Rim, Sample};
 use super::block::{block_bytes, place, rim_bytes};
 use super::bytes::{put_triples, put_values};
@@ -25,10 +24,7 @@ pub(super) struct Contents<'a> {
 }
 
 /// The bytes of a block; `head` brings level, number, error and price.
-///
-/// # Errors
-/// None today; the result leaves room for a limit.
-pub(super) fn pack(contents: &Contents<'_>, keys: &Keys, head: Head) -> Result<(Head, Vec<u8>)> {
+pub(super) fn pack(contents: &Contents<'_>, keys: &Keys, head: Head) -> Vec<u8> {
     let sorted = sorted(contents, keys);
     let places = PositionIds::of(contents.positions);
     let fans = Fans::of(&places, contents.triangles, |_| true);
@@ -56,8 +52,7 @@ pub(super) fn pack(contents: &Contents<'_>, keys: &Keys, head: Head) -> Result<(
     head.samples = samples(contents, &sorted);
     let buckets = rims(contents, &sorted, is_rim);
     head.buckets = buckets.iter().map(|rims| bucket(rims)).collect();
-    let bytes = block_bytes(&head, &pages, &buckets);
-    Ok((head, bytes))
+    block_bytes(&head, &pages, &buckets)
 }
 
 fn bucket(bytes: &[u8]) -> Bucket {

@@ -48,7 +48,7 @@ pub(super) fn read(
         ..Head::default()
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
-    Ok(pack(&contents, keys, head)?.1)
+    Ok(pack(&contents, keys, head))
 }
 
 /// The triangles of the portions that `row` names, checked.

@@ -74,7 +74,7 @@ pub(super) fn region(
         sample: phase.sample,
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
-    Ok(pack(&contents, keys, head)?.1)
+    Ok(pack(&contents, keys, head))
 }
 
 /// Lets the work be stopped, but not told: one region's share says nothing of the whole.
