@@ -1,6 +1,6 @@
 #!/bin/bash
-# A model simplified to a cage and subdivided back, beside one simplified to as many triangles
-# as the cage has: round_trip.sh MODEL SHARE LEVELS [KARUI]
+# A model simplified to a cage and subdivided back: how far each is from the model.
+#   round_trip.sh MODEL SHARE LEVELS [KARUI]
 set -eu
 model=$1 share=$2 levels=$3 karui=${4:-karui}
 work=$(mktemp -d)
@@ -10,5 +10,5 @@ trap 'rm -r "$work"' EXIT
 "$karui" --quiet subdivide "$work/cage.ply" --scheme loop --levels "$levels" --limit -o "$work/limit.ply"
 for what in cage steps limit; do
     echo "$what"
-    "$karui" measure "$model" "$work/$what.ply"
+    "$karui" --quiet measure "$model" "$work/$what.ply"
 done

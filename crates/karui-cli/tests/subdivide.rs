@@ -116,6 +116,15 @@ fn texture_coordinates_and_materials_go_along() {
     let counts: Vec<u32> = mesh.ranges.iter().map(|r| r.count).collect();
     assert_eq!(counts.iter().sum::<u32>(), 192);
     assert_eq!(mesh.ranges.len(), 2);
+    for args in ["--scheme sqrt2 --levels 3", "--scheme sqrt2 --levels 1"] {
+        let ran = folder.ok(&format!("subdivide box.obj -o out.glb {args}"));
+        assert!(ran.err.contains("left out"), "{}", ran.err);
+        let mesh = &karui_io::read(folder.path("out.glb")).unwrap().meshes[0].mesh;
+        assert!(mesh.attributes.uvs.is_empty());
+    }
+    folder.ok("convert box.obj box.ply");
+    let ran = folder.fails(2, "subdivide box.ply -o out.glb --scheme sqrt3 --limit");
+    assert!(ran.err.contains("leave out --limit"), "{}", ran.err);
 }
 
 #[test]

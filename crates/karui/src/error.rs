@@ -203,8 +203,10 @@ pub enum Error {
 fn rounded(count: f64) -> String {
     if count < 1e15 {
         format!("{count}")
-    } else {
+    } else if count < 1e300 {
         format!("{count:.2e}")
+    } else {
+        "over 1e300".into()
     }
 }
 

@@ -121,6 +121,15 @@ impl Args {
         }
     }
 
+    /// Whether faces lie across edges of the cage, where texture coordinates may end.
+    fn crosses_charts(&self) -> bool {
+        match self.scheme {
+            SchemeName::Sqrt3 => self.levels > 0,
+            SchemeName::Sqrt2 => self.levels % 2 == 1,
+            _ => false,
+        }
+    }
+
     /// The file's rules, those given in their place.
     fn rules(&self, of_file: Rules) -> Rules {
         let boundary = self.boundary.map(|name| match name {
@@ -158,6 +167,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let control = &mut loaded.mesh;
     control.rules = args.rules(control.rules);
+    if args.crosses_charts() && control.uvs.take().is_some() {
+        console.warn("texture coordinates are left out: faces of this scheme cross their seams");
+    }
     let surface = SurfaceOptions {
         on_limit: args.limit,
         normals: args.normals,
@@ -167,7 +179,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         subdivide(control, &args.options(), surface, &*progress)
     };
     let made = made
-        .map_err(refused)
+        .map_err(|error| refused(error, args))
         .with_context(|| args.input.display().to_string())?;
     let (cage_faces, faces) = (control.cage.face_count(), made.mesh.face_count());
     let (cage_vertices, vertices) = (control.cage.vertices, made.mesh.positions.len());
@@ -198,9 +210,13 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     ))
 }
 
-fn refused(error: karui::Error) -> anyhow::Error {
+fn refused(error: karui::Error, args: &Args) -> anyhow::Error {
+    let of_limits = args.scheme == SchemeName::Sqrt3 && (args.limit || args.normals);
     let hint = match &error {
         karui::Error::TooFine { .. } => "take fewer --levels, or allow more with --max-faces",
+        karui::Error::BadOption {
+            option: "scheme", ..
+        } if of_limits => "leave out --limit and --normals",
         karui::Error::BadOption {
             option: "scheme", ..
         } => "--scheme catmull-clark takes any faces and all tags",

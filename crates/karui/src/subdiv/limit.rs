@@ -4,6 +4,11 @@
 //! Catmull-Clark surfaces", 1993; boundaries: Biermann, Levin and Zorin, "Piecewise smooth
 //! subdivision surfaces with normal control", 2000. Loop: Loop 1987; boundaries: Schweitzer,
 //! "Analysis and application of subdivision surfaces", 1996. Scales are OpenSubdiv's.
+//!
+//! Tangents across a boundary are OpenSubdiv's as well. They are those of Biermann's modified
+//! rules, which neither library steps by: exact where two faces of quads (three triangles)
+//! meet, else they turn a little from level to level. From four faces on the plain rules have
+//! no tangent plane there: the subdivision matrix has 1/2 as an eigenvalue twice.
 
 use super::crease::Rule;
 use super::level::Level;
@@ -23,7 +28,8 @@ pub struct Limits {
     /// Two directions along the surface, the first towards the first edge of the vertex or
     /// along its boundary or crease; zero at vertices of no face.
     pub tangents: Vec<[Vec3; 2]>,
-    /// Unit normals; zero where the tangents are one direction.
+    /// Unit normals; zero where the tangents are one direction as far as single precision
+    /// tells, e.g. where two sheets lie on one another.
     pub normals: Vec<Vec3>,
     /// Whether a normal is that of one side only: on a crease or at a corner inside the
     /// surface there are several, and the faces that come first around the vertex decide.
@@ -40,8 +46,9 @@ impl Level {
         let vertices = (0..self.vertices as u32).into_par_iter().with_min_len(1024);
         let found: Vec<(Vec3, [Vec3; 2], Vec3, bool)> = vertices
             .map(|v| {
-                let [position, first, second] = self.limit(kind, v, from).map(Sum::precise);
-                let normal = cross(first, second);
+                let (three, noise) = self.limit(kind, v, from);
+                let [position, first, second] = three.map(Sum::precise);
+                let normal = normal(first, second, noise);
                 let tangents = [first, second].map(|t| DVec3::from(t).as_vec3());
                 let position = DVec3::from(position).as_vec3();
                 (position, tangents, normal, self.is_one_sided(kind, v))
@@ -63,7 +70,8 @@ impl Level {
         inside && (kind.linear || edges < 3 || self.rule(v) != Rule::Smooth)
     }
 
-    fn limit(&self, kind: Kind, v: u32, from: &[[f32; 3]]) -> Three {
+    /// The limits of `v`, and how far off rounded values may make a tangent.
+    fn limit(&self, kind: Kind, v: u32, from: &[[f32; 3]]) -> (Three, f64) {
         let edges = self.vertex_edges(v).iter();
         let ring = Ring {
             center: &from[v as usize],
@@ -75,7 +83,7 @@ impl Level {
         let sharp: Vec<usize> = (0..ring.edges.len())
             .filter(|&i| self.edge_sharpness(self.vertex_edges(v)[i]) > 0.0)
             .collect();
-        match (self.rule(v), sharp.as_slice()) {
+        let three = match (self.rule(v), sharp.as_slice()) {
             (Rule::Smooth, _) if kind.linear => ring.corner(),
             (Rule::Smooth, _) if kind.triangles => ring.smooth_triangles(),
             (Rule::Smooth, _) if ring.edges.len() < 3 => ring.corner(),
@@ -84,7 +92,8 @@ impl Level {
                 ring.crease(first, last, kind.triangles)
             }
             _ => ring.corner(),
-        }
+        };
+        (three, ring.noise())
     }
 
     /// Vertices across the faces around `v`.
@@ -95,11 +104,13 @@ impl Level {
     }
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> Vec3 {
-    DVec3::from(a)
-        .cross(DVec3::from(b))
-        .normalize_or_zero()
-        .as_vec3()
+fn normal(a: [f64; 3], b: [f64; 3], noise: f64) -> Vec3 {
+    let (a, b) = (DVec3::from(a), DVec3::from(b));
+    let cross = a.cross(b);
+    if cross.length() <= noise * (a.length() + b.length()) {
+        return Vec3::ZERO;
+    }
+    cross.normalize_or_zero().as_vec3()
 }
 
 struct Ring<'a> {
@@ -109,6 +120,18 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
+    /// Values are rounded to single precision; weights of tangents are at most about 4, and
+    /// what is off at random adds up by the root of their number.
+    fn noise(&self) -> f64 {
+        let values = self.edges.iter().chain(&self.faces).copied();
+        let largest = values
+            .chain([self.center])
+            .flatten()
+            .fold(0.0, |m, c| c.abs().max(m));
+        let count = (self.edges.len() + self.faces.len() + 1) as f64;
+        4.0 * f64::from(f32::EPSILON) * f64::from(largest) * count.sqrt()
+    }
+
     fn own(&self, weight: f64) -> Sum<3> {
         let mut sum = Sum::ZERO;
         sum.add(weight, self.center);

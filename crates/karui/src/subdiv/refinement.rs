@@ -236,6 +236,16 @@ impl Refinement {
         self.holes.get(f).copied().unwrap_or(false)
     }
 
+    /// Whether face `f` is a quad across a crease, from its first corner to its third.
+    pub(super) fn is_folded(&self, f: usize) -> bool {
+        match self.stages.last() {
+            Some(Stage::Odd(level, odd)) => {
+                self.faces.corners(f).len() == 4 && level.edge_sharpness(odd.carried[f]) > 0.0
+            }
+            _ => false,
+        }
+    }
+
     /// The face of the cage that every face lies in; one of two if it lies across an edge.
     #[must_use]
     pub fn parents(&self) -> Vec<u32> {
@@ -296,11 +306,11 @@ impl Refinement {
             return Ok(());
         };
         for stage in first {
-            next.resize(stage.vertices(), [0.0; N]);
+            resize(next, stage.vertices());
             stage.evaluate(self.kind, from, next, memory);
             std::mem::swap(from, next);
         }
-        to.resize(last.vertices(), [0.0; N]);
+        resize(to, last.vertices());
         last.evaluate(self.kind, from, to, memory);
         to.truncate(self.vertices);
         Ok(())
@@ -405,6 +415,15 @@ impl Stage {
             Self::Sqrt3(step) => step.evaluate(from, to),
         }
     }
+}
+
+/// Memory that is new comes from the system as zeros: then the threads that fill it are the
+/// first to touch it, rather than this one.
+fn resize<const N: usize>(values: &mut Vec<[f32; N]>, count: usize) {
+    if values.capacity() < count {
+        *values = vec![[0.0; N]; count];
+    }
+    values.resize(count, [0.0; N]);
 }
 
 fn repeated(holes: &[bool], times: usize) -> Vec<bool> {

@@ -8,8 +8,13 @@ use crate::error::{Error, Result};
 /// and with one; exact up to 2^53.
 pub(super) fn faces(scheme: Scheme, levels: u32, level: &Level) -> f64 {
     let [faces, corners] = [level.faces.count(), level.corners.len()].map(|n| n as f64);
-    // Beyond this the number has no digits left.
-    let levels = levels.min(500) as i32;
+    // Beyond these the number is over 1e300, and soon infinite.
+    let most = match scheme {
+        Scheme::Sqrt2 => 1000,
+        Scheme::Sqrt3 => 640,
+        _ => 500,
+    };
+    let levels = levels.min(most) as i32;
     let quads = |steps: i32| {
         if steps == 0 {
             faces

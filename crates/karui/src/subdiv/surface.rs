@@ -28,7 +28,7 @@ pub struct Subdivided {
 }
 
 /// Refines `control` with what its file says in place of `options`. Faces of holes are left
-/// out, as are vertices of no face.
+/// out, as are vertices of no face; quads that √2 folds across creases become two triangles.
 ///
 /// # Errors
 /// As [`Refinement::new`], [`Refinement::evaluate`], [`Refinement::face_varying`] and
@@ -66,7 +66,14 @@ pub fn subdivide(
     };
     let faces = (0..refinement.faces().count()).filter(|&f| !refinement.is_hole(f));
     for f in faces {
-        mesh.push_face(&corners[refinement.faces().corners(f)]);
+        let corners = &corners[refinement.faces().corners(f)];
+        match *corners {
+            [a, b, c, d] if refinement.is_folded(f) => {
+                mesh.push_face(&[a, b, c]);
+                mesh.push_face(&[a, c, d]);
+            }
+            _ => mesh.push_face(corners),
+        }
     }
     drop_unused(&mut mesh);
     Ok(Subdivided {
@@ -103,8 +110,9 @@ fn push_faces(control: &ControlMesh, refinement: &Refinement, mesh: &mut PolyMes
     }
     for (f, parent) in refinement.parents().into_iter().enumerate() {
         if !refinement.is_hole(f) {
-            let material = materials.get(parent as usize).copied();
-            mesh.face_materials.push(material.flatten());
+            let material = materials.get(parent as usize).copied().flatten();
+            let times = if refinement.is_folded(f) { 2 } else { 1 };
+            mesh.face_materials.extend([material; 2].iter().take(times));
         }
     }
 }
