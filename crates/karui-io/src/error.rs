@@ -112,6 +112,9 @@ pub enum ErrorKind {
     /// The geometry itself is not acceptable.
     #[error(transparent)]
     Geometry(#[from] karui::Error),
+    /// Blocks of a model larger than memory are not as they should be.
+    #[error(transparent)]
+    Blocks(#[from] karui::outofcore::Error),
 }
 
 fn io_message(error: &io::Error) -> String {

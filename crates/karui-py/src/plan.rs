@@ -128,6 +128,7 @@ impl Plan {
             error,
             block_triangles: block_triangles.or(limited).unwrap_or(usual.block_triangles),
             scheme: choice("scheme", scheme, &SCHEMES)?,
+            ..usual
         };
         let uri = absolute(&model)?;
         let source = opened(py, &uri)?;

@@ -1,5 +1,7 @@
 //! `karui tiles`: a scene as 3D Tiles.
 
+mod large;
+
 use crate::args::WriteArgs;
 use crate::console::Console;
 use crate::input::{self, Input};
@@ -21,6 +23,9 @@ use std::path::PathBuf;
 /// all that is in it: the first of a box, pictures on crossed cards, and the objects merged and
 /// simplified that looks the same. Geometric errors are measured, in metres, taking the
 /// scene's unit as one. Every tile knows its objects, stand-ins too.
+///
+/// With --memory-limit, one mesh of any size instead: it is read in slices and cut into cells;
+/// each cell shows its triangles, simplified more the larger it is.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The scene
@@ -35,6 +40,8 @@ pub struct Args {
     place: PlaceArgs,
     #[command(flatten)]
     cut: CutArgs,
+    #[command(flatten)]
+    large: large::LargeArgs,
     #[command(flatten)]
     write: WriteArgs,
 }
@@ -96,7 +103,7 @@ struct CutArgs {
     /// What makes objects one group
     #[arg(long, value_enum, default_value_t = Grouping::ScaleFree)]
     grouping: Grouping,
-    /// Most triangles of the objects of a tile
+    /// Most triangles of the objects of a tile; with --memory-limit, of any tile, about
     #[arg(long, value_name = "COUNT", default_value_t = HlodOptions::default().triangles)]
     triangles: usize,
     /// Most triangles of a stand-in
@@ -191,6 +198,9 @@ impl CutArgs {
 /// Makes the tiles.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let options = args.place.resolve(args);
+    if let Some(memory) = args.large.memory_limit {
+        return large::run(args, memory, &options, console);
+    }
     let input = input::read(&args.input, console)?;
     input.require_triangles()?;
     let images = textures::decode(&input, console);

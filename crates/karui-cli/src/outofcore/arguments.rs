@@ -87,6 +87,7 @@ impl BlockArgs {
                 Some(Cut::Sweep) => Scheme::Sweep,
                 Some(Cut::Slabs) => Scheme::Slabs,
             },
+            tiles: None,
         }
     }
 }

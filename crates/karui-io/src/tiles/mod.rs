@@ -6,6 +6,7 @@
 //! contents hold has y up and is turned.
 
 mod at;
+mod blocks;
 mod check;
 mod check_implicit;
 mod content;
@@ -35,6 +36,7 @@ mod write;
 mod write_content;
 mod write_implicit;
 
+pub use blocks::{write_blocks, write_blocks_implicit};
 pub use check::{check, check_with};
 pub use ecef::Geodetic;
 pub use findings::{Finding, Findings};

@@ -137,6 +137,9 @@ impl Slot {
 /// Shares of the work that are done before each phase, and in the end.
 fn ends(plan: &Plan) -> Vec<f32> {
     let triangles = plan.chunks as f64 * 65_536.0;
+    if plan.options.tiles.is_some() {
+        return shares(&tile_costs(triangles));
+    }
     // What each phase costs a triangle, seconds a million, and how many there are.
     let left = |level: usize| plan.triangles_before(triangles, level as u32);
     let mut costs = vec![0.02 * triangles, 0.4 * triangles];
@@ -144,6 +147,24 @@ fn ends(plan: &Plan) -> Vec<f32> {
         costs.extend([0.03 * left(level), left(level)]);
     }
     costs.push(0.3 * left(3));
+    shares(&costs)
+}
+
+/// What phases that make tiles cost, about; those after the last count for nothing.
+fn tile_costs(triangles: f64) -> Vec<f64> {
+    let mut costs = vec![0.02 * triangles, 0.4 * triangles, 0.4 * triangles];
+    let mut left = triangles;
+    for _ in 0..TILE_LEVELS {
+        costs.extend([0.03 * left, 2.0 * left]);
+        left /= 3.0;
+    }
+    costs
+}
+
+/// Levels of tiles that are told apart in what is reported.
+const TILE_LEVELS: usize = 12;
+
+fn shares(costs: &[f64]) -> Vec<f32> {
     let all: f64 = costs.iter().sum();
     let mut sum = 0.0;
     let mut ends = vec![0.0];

@@ -57,6 +57,41 @@ impl Keys {
         }
     }
 
+    /// The same with a box a little larger, so that nothing lies on its far sides.
+    pub fn padded(self) -> Self {
+        Self {
+            side: self.side * (1.0 + 1e-6),
+            ..self
+        }
+    }
+
+    /// Least corner and side of the cube around the model.
+    pub fn root(&self) -> (DVec3, f64) {
+        (self.min.into(), self.side)
+    }
+
+    /// The faces between cells of a depth, for each axis, as far as 32 bits tell them apart.
+    pub fn planes(&self, depth: u32) -> [Vec<f32>; 3] {
+        std::array::from_fn(|axis| {
+            let planes = (1..1u32 << depth).map(|i| self.plane(axis, i, depth));
+            planes.collect()
+        })
+    }
+
+    fn plane(&self, axis: usize, number: u32, depth: u32) -> f32 {
+        let share = f64::from(number) / f64::from(1u32 << depth);
+        (self.min[axis] + self.side * share) as f32
+    }
+
+    /// Corners of a cell.
+    pub fn cube(&self, place: [u32; 3], depth: u32) -> [Vec3; 2] {
+        let corner = |more: u32| {
+            let at = |axis: usize| self.plane(axis, place[axis] + more, depth);
+            Vec3::from(std::array::from_fn(at))
+        };
+        [corner(0), corner(1)]
+    }
+
     /// The same for another level.
     pub fn at_level(&self, level: u32) -> Self {
         let shift = shift(level);

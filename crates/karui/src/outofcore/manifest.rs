@@ -6,6 +6,7 @@
 
 use super::checksum::checksum;
 use super::keys::Keys;
+use super::tiles::TileCut;
 use super::{Error, Plan, Result, Store};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -25,9 +26,25 @@ pub enum Kind {
     Borders,
     /// Simplifies regions.
     Simplify,
+    /// Cuts triangles at the faces of the smallest tiles.
+    Pieces,
+    /// Gathers the triangles of the smallest tiles.
+    Leaves,
+    /// Finds places that tiles share.
+    Edges,
+    /// Simplifies tiles: what their children have together.
+    Parents,
 }
 
 impl Kind {
+    /// Whether its rows put blocks into the store.
+    pub(super) fn makes_blocks(self) -> bool {
+        match self {
+            Self::Read | Self::Simplify | Self::Pieces | Self::Leaves | Self::Parents => true,
+            Self::Bounds | Self::Scan | Self::Fetch | Self::Borders | Self::Edges => false,
+        }
+    }
+
     /// Its name, as in the names of manifests and blocks.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -38,6 +55,10 @@ impl Kind {
             Self::Read => "read",
             Self::Borders => "borders",
             Self::Simplify => "simplify",
+            Self::Pieces => "pieces",
+            Self::Leaves => "leaves",
+            Self::Edges => "edges",
+            Self::Parents => "parents",
         }
     }
 }
@@ -49,7 +70,7 @@ pub struct Phase {
     pub number: u32,
     /// What its rows do.
     pub kind: Kind,
-    /// Level of simplification; 0 while reading.
+    /// Level of simplification, 0 while reading; of tiles, how often the root is halved.
     pub level: u32,
     /// Triangles of the model; 0 while that is not known.
     pub whole: u64,
@@ -73,6 +94,9 @@ pub struct Phase {
     pub(super) cuts: Vec<u64>,
     /// Blocks that hold borders.
     pub(super) borders: Vec<String>,
+    /// Whether tiles lie within their cells.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) aligned: bool,
 }
 
 /// A task: what it reads, what it makes, what it is told.
@@ -268,6 +292,15 @@ const SAMPLES: u64 = 1 << 21;
 /// Triangles of a sample at least.
 const LEAST_SAMPLE: u64 = 128;
 
+/// Samples of a tile at least.
+const TILE_SAMPLES: u64 = 32;
+
+fn least_sample(plan: &Plan) -> u64 {
+    let of_tile = |cut: TileCut| (cut.triangles / TILE_SAMPLES).max(1);
+    let tiles = plan.options.tiles.map_or(LEAST_SAMPLE, of_tile);
+    tiles.min(LEAST_SAMPLE)
+}
+
 /// A first phase, of a plan of which nothing has been done.
 pub(super) fn bounds(plan: &Plan) -> Manifest {
     let phase = Phase {
@@ -280,11 +313,12 @@ pub(super) fn bounds(plan: &Plan) -> Manifest {
         last: false,
         error: None,
         range: 0,
-        sample: (plan.chunks * PORTION / SAMPLES).max(LEAST_SAMPLE),
+        sample: (plan.chunks * PORTION / SAMPLES).max(least_sample(plan)),
         keys: None,
         next: None,
         cuts: Vec::new(),
         borders: Vec::new(),
+        aligned: false,
     };
     let step = plan.options.block_triangles.max(1);
     rows(phase, plan.vertices, step, ".json")

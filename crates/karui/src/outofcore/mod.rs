@@ -42,6 +42,7 @@ mod share;
 mod source;
 mod store;
 mod task;
+mod tiles;
 mod weld;
 mod write;
 
@@ -56,4 +57,5 @@ pub use plan::{PLAN, Plan, PlanOptions};
 pub use source::{Memory, Source, Vertices};
 pub use store::{Folder, Store};
 pub use task::{run_task, verify_task};
+pub use tiles::{TileCut, TileNode, TileTree, tile_mesh, tile_sample, tile_tree};
 pub use write::{Sink, Summary, write};

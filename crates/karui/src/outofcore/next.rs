@@ -6,6 +6,7 @@ use super::keys::Keys;
 use super::manifest::{Kind, Manifest, PORTION, Phase, RowResult, bounds, rows};
 use super::share::share;
 use super::task::read_bounds;
+use super::tiles;
 use super::{Error, Plan, Result, Store};
 
 /// Levels at most. Each has its borders elsewhere; after three next to nothing of the first
@@ -74,15 +75,21 @@ fn saved(store: &dyn Store, manifest: Manifest) -> Result<Manifest> {
 
 /// Name of the manifest of the phase after this one.
 fn following(plan: &Plan, phase: &Phase) -> String {
+    let tiles = plan.options.tiles.filter(|_| after_reading(phase.kind));
     let kind = match phase.kind {
+        kind if let Some(cut) = tiles => tiles::following(cut, kind),
         Kind::Bounds if plan.scattered => Kind::Scan,
         Kind::Scan => Kind::Fetch,
         Kind::Bounds | Kind::Fetch => Kind::Read,
         Kind::Read | Kind::Simplify => Kind::Borders,
-        Kind::Borders => Kind::Simplify,
+        _ => Kind::Simplify,
     };
     let number = phase.number + 1;
     format!("{number:02}-{}.tasks", kind.name())
+}
+
+fn after_reading(kind: Kind) -> bool {
+    !matches!(kind, Kind::Bounds | Kind::Scan | Kind::Fetch)
 }
 
 fn after(
@@ -91,6 +98,9 @@ fn after(
     manifest: &Manifest,
     results: &[RowResult],
 ) -> Result<Manifest> {
+    if let Some(cut) = plan.options.tiles.filter(|_| after_reading(manifest.phase.kind)) {
+        return tiles::after(store, plan, cut, manifest, results);
+    }
     match manifest.phase.kind {
         Kind::Bounds => {
             let keys = keys(store, plan, results)?;
@@ -99,7 +109,7 @@ fn after(
         Kind::Scan => Ok(fetching(plan, manifest, results)),
         Kind::Fetch => Ok(reading(plan, &manifest.phase, manifest.phase.next, results)),
         Kind::Read | Kind::Simplify => bordering(store, plan, manifest, results),
-        Kind::Borders => simplifying(store, manifest, results),
+        _ => simplifying(store, manifest, results),
     }
 }
 
@@ -113,7 +123,11 @@ fn keys(store: &dyn Store, plan: &Plan, results: &[RowResult]) -> Result<Keys> {
             corners[1][i] = corners[1][i].max(max[i]);
         }
     }
-    Ok(Keys::of(&plan.options, corners, 0))
+    let keys = Keys::of(&plan.options, corners, 0);
+    Ok(match plan.options.tiles {
+        Some(_) => keys.padded(),
+        None => keys,
+    })
 }
 
 /// Portions of faces to be scanned, or read.
@@ -197,6 +211,7 @@ fn bordering(
         next: before.next.as_ref().map(|keys| keys.at_level(level + 1)),
         cuts,
         borders: Vec::new(),
+        aligned: false,
     };
     let rims: u64 = heads
         .iter()
@@ -285,13 +300,13 @@ fn blocks_before(store: &dyn Store, borders: &Phase) -> Result<Vec<RowResult>> {
 }
 
 /// First page and one past the last that have keys of a range.
-fn pages(head: &Head, [first, end]: [u64; 2]) -> Option<(u32, u32)> {
+pub(super) fn pages(head: &Head, [first, end]: [u64; 2]) -> Option<(u32, u32)> {
     let start = head.pages.partition_point(|p| p.last < first);
     let stop = head.pages.partition_point(|p| p.first < end);
     (start < stop).then_some((start as u32, stop as u32))
 }
 
-fn heads(store: &dyn Store, results: &[RowResult]) -> Result<Vec<Head>> {
+pub(super) fn heads(store: &dyn Store, results: &[RowResult]) -> Result<Vec<Head>> {
     let head = |r: &RowResult| Ok(Block::open(store, &r.output)?.head);
     results.iter().map(head).collect()
 }

@@ -2,6 +2,7 @@
 
 use super::join::{SCATTERED, reach};
 use super::keys::Scheme;
+use super::tiles::TileCut;
 use super::{Error, Result, Source, Store};
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,10 @@ pub struct PlanOptions {
     pub block_triangles: u64,
     /// How regions are cut. Default: [`Scheme::Cells`].
     pub scheme: Scheme,
+    /// Keeps all levels as a tree of tiles ([`super::tile_tree`]) instead of making one mesh;
+    /// the other targets then do not count. Needs [`Scheme::Cells`]. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<TileCut>,
 }
 
 impl Default for PlanOptions {
@@ -31,6 +36,7 @@ impl Default for PlanOptions {
             error: None,
             block_triangles: 1 << 20,
             scheme: Scheme::default(),
+            tiles: None,
         }
     }
 }
@@ -80,10 +86,34 @@ impl PlanOptions {
                 self.block_triangles.to_string(),
                 "between 64 and 2^28",
             ),
-            _ => Ok(()),
+            _ => self.check_tiles(),
         }
     }
+
+    fn check_tiles(&self) -> Result<()> {
+        let Some(cut) = self.tiles else {
+            return Ok(());
+        };
+        let most = self.block_triangles / 8;
+        let (option, found, expected) = match self.scheme {
+            Scheme::Cells if (LEAST_TILE..=most).contains(&cut.triangles) => return Ok(()),
+            Scheme::Cells => (
+                "tiles.triangles",
+                cut.triangles.to_string(),
+                "between 16 and an eighth of block_triangles",
+            ),
+            other => ("scheme", format!("{other:?}"), "cells for tiles"),
+        };
+        Err(Error::Block(crate::Error::BadOption {
+            option,
+            found,
+            expected,
+        }))
+    }
 }
+
+/// Triangles of a tile at least.
+const LEAST_TILE: u64 = 16;
 
 /// Portions that are looked at to tell whether a model is scattered.
 const LOOKS: u64 = 8;

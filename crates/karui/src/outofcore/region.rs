@@ -78,7 +78,7 @@ pub(super) fn region(
 }
 
 /// Lets the work be stopped, but not told: one region's share says nothing of the whole.
-struct Asked<'a>(&'a dyn Progress);
+pub(super) struct Asked<'a>(pub &'a dyn Progress);
 
 impl Progress for Asked<'_> {
     fn report(&self, _: &'static str, _: f32) {}

@@ -7,6 +7,7 @@ use super::join::{fetch, scan};
 use super::manifest::{Kind, Manifest, Row, RowResult};
 use super::read::read;
 use super::region::region;
+use super::tiles;
 use super::{Error, Result, Source, Store};
 use crate::progress::Progress;
 use glam::Vec3;
@@ -35,6 +36,10 @@ pub fn run_task(
         Kind::Read => read(store, source, phase, row)?,
         Kind::Borders => borders(store, phase, row)?,
         Kind::Simplify => region(store, phase, row, progress)?,
+        Kind::Pieces => tiles::pieces(store, phase, row)?,
+        Kind::Leaves => tiles::leaf(store, phase, row)?,
+        Kind::Edges => tiles::edges(store, phase, row)?,
+        Kind::Parents => tiles::parent(store, phase, row, progress)?,
     };
     store.put(&row.output, &bytes)?;
     drop(bytes);
@@ -49,10 +54,10 @@ pub fn run_task(
 pub fn verify_task(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<RowResult> {
     let row = manifest.row(row)?;
     match manifest.phase.kind {
-        Kind::Read | Kind::Simplify => Block::open(store, &row.output)?.verify()?,
+        kind if kind.makes_blocks() => Block::open(store, &row.output)?.verify()?,
         Kind::Bounds => drop(read_bounds(store, &row.output)?),
         Kind::Borders => super::borders::verify(store, &row.output)?,
-        Kind::Scan | Kind::Fetch => {
+        _ => {
             super::sections::Sections::open(store, &row.output)?.verify()?
         }
     }
@@ -63,7 +68,7 @@ pub fn verify_task(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<R
 fn found(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<RowResult> {
     let row = manifest.row(row)?;
     let (checksum, triangles) = match manifest.phase.kind {
-        Kind::Read | Kind::Simplify => {
+        kind if kind.makes_blocks() => {
             let block = Block::open(store, &row.output)?;
             (block.checksum, block.head.triangles)
         }

@@ -105,7 +105,7 @@ pub fn write(
 }
 
 /// A block with every vertex once, and its error.
-fn whole(store: &dyn Store, name: &str) -> Result<(Part, f64)> {
+pub(super) fn whole(store: &dyn Store, name: &str) -> Result<(Part, f64)> {
     let block = Block::open(store, name)?;
     let mut all = Part::default();
     for part in block.pages(0..block.head.pages.len())? {
