@@ -22,6 +22,7 @@
 //! # Ok::<(), karui::Error>(())
 //! ```
 
+pub mod adaptive;
 mod cage;
 mod catmull_clark;
 mod control_mesh;

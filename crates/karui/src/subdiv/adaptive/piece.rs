@@ -1,0 +1,139 @@
+//! What may be split: faces of a tier, and between two tiers the diamonds over its edges.
+
+use super::store::{NONE, Store};
+use crate::subdiv::INFINITELY_SHARP;
+use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
+
+/// A face of the √2 hierarchy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// A face of a tier: what is there after an even number of steps.
+    Face(u32),
+    /// The quad over an edge of a tier, between its ends and the centres of its faces.
+    Diamond(u32),
+}
+
+/// Corners of a polygon, in the tier that they are positioned in.
+pub(super) type Polygon = SmallVec<[u32; 4]>;
+
+/// Largest distance of a cubic curve to its chord by the sines of the angles between that
+/// and its ends.
+const CUBIC: f64 = 4.0 / 27.0;
+/// Pairs of corners farther apart in their polygon are not looked at.
+const FARTHEST: usize = 4;
+
+impl Store {
+    /// The tier of the corners of [`Store::polygons`].
+    pub const fn tier_of(t: usize, piece: Piece) -> usize {
+        match piece {
+            Piece::Face(_) => t,
+            Piece::Diamond(_) => t + 1,
+        }
+    }
+
+    /// What a piece is drawn as if all around it is as fine: one polygon, or two if an edge
+    /// between them stays sharp. All that it needs has to have been made.
+    pub fn polygons(&self, t: usize, piece: Piece) -> SmallVec<[Polygon; 2]> {
+        let e = match piece {
+            Piece::Face(f) => return smallvec![self.tiers[t].corners_of(f).collect()],
+            Piece::Diamond(e) => e,
+        };
+        let sides = self.known_sides(t, e);
+        let halves = sides.iter().map(|&c| self.half(t, c));
+        let mut halves: SmallVec<[[u32; 3]; 2]> = halves.collect();
+        if sides.len() == 2 && !self.is_ridge(t, e) {
+            let [[a, b, right], [_, _, left]] = [halves[0], halves[1]];
+            return smallvec![smallvec![a, left, b, right]];
+        }
+        halves.drain(..).map(|half| Polygon::from_slice(&half)).collect()
+    }
+
+    /// The triangle between an edge's ends and the centre of the face in which it starts at
+    /// `corner`, as corners of the next tier.
+    pub fn half(&self, t: usize, corner: u32) -> [u32; 3] {
+        let tier = &self.tiers[t];
+        let [a, b] = [corner, tier.next(corner)].map(|c| 4 * tier.child(c));
+        [a, b, a + 2]
+    }
+
+    /// Whether the surface has an edge along edge `e`.
+    pub fn is_ridge(&self, t: usize, e: u32) -> bool {
+        let edge = &self.tiers[t].edges[e as usize];
+        edge.open || edge.sharpness >= INFINITELY_SHARP
+    }
+
+    /// Distance of a piece to the limit surface, model units; with its limits found once.
+    pub fn measure(&mut self, t: usize, piece: Piece) -> f32 {
+        let known = match piece {
+            Piece::Face(f) => self.tiers[t].faces[f as usize].error,
+            Piece::Diamond(e) => self.tiers[t].edges[e as usize].error,
+        };
+        if known >= 0.0 {
+            return known;
+        }
+        if let Piece::Diamond(e) = piece {
+            for c in self.sides(t, e) {
+                self.children(t, self.tiers[t].face_of(c));
+            }
+        }
+        let tier = Self::tier_of(t, piece);
+        let polygons = self.polygons(t, piece);
+        let errors = polygons.iter().map(|p| self.distance(tier, p, piece));
+        let error = errors.fold(0.0, f64::max) as f32;
+        match piece {
+            Piece::Face(f) => self.tiers[t].faces[f as usize].error = error,
+            Piece::Diamond(e) => self.tiers[t].edges[e as usize].error = error,
+        }
+        error
+    }
+
+    /// Distance of a polygon between limits to the limit surface, as if that were made of
+    /// cubic curves between its corners; and, as those may turn back within, as far as what
+    /// its corners still have to go in their tier tells.
+    fn distance(&mut self, t: usize, polygon: &[u32], piece: Piece) -> f64 {
+        let n = polygon.len();
+        let mut ends: SmallVec<[(DVec3, DVec3); 4]> = SmallVec::new();
+        let mut way = 0f64;
+        for &c in polygon {
+            let wedge = self.wedge(t, c);
+            let (limit, normal) = self.limit(wedge);
+            way = way.max(limit.distance(self.corner_position(t, c)));
+            ends.push((limit, normal));
+        }
+        let mut error = way * way_factor(piece, n);
+        for i in 0..n {
+            for k in 1..=FARTHEST.min(n / 2) {
+                let (p, np) = ends[i];
+                let (q, nq) = ends[(i + k) % n];
+                error = error.max(CUBIC * ((q - p).dot(np).abs() + (q - p).dot(nq).abs()));
+            }
+        }
+        error
+    }
+
+    /// Limit position and normal of a wedge.
+    pub fn limit(&self, wedge: u32) -> (DVec3, DVec3) {
+        let wedge = &self.wedges[wedge as usize];
+        let limit = self.points[wedge.point as usize].limit;
+        (limit.as_dvec3(), wedge.normal.as_dvec3())
+    }
+
+    /// As [`Store::limit`], of a corner whose wedge is known.
+    pub fn corner_limit(&self, t: usize, corner: u32) -> (DVec3, DVec3) {
+        let wedge = self.tiers[t].wedges[corner as usize];
+        debug_assert_ne!(wedge, NONE, "limits are found before they are asked for");
+        self.limit(wedge)
+    }
+}
+
+/// Sagitta of the chord over an edge, by the way from a vertex of a cubic B-spline to its
+/// limit: second differences are six times the way, and sagittas an eighth of those; a
+/// diamond's edge is √2 times as long as those of its tier, a half's is twice.
+fn way_factor(piece: Piece, corners: usize) -> f64 {
+    match piece {
+        Piece::Face(_) => 0.75,
+        Piece::Diamond(_) if corners == 4 => 1.5,
+        Piece::Diamond(_) => 3.0,
+    }
+}

@@ -1,0 +1,137 @@
+//! Splitting pieces, so that no edge is ever cut.
+//!
+//! A face is cut into triangles around its centre; where the face across an edge is cut as
+//! well, the edge goes and two triangles become a diamond. A diamond is cut around the point
+//! of its edge; where both diamonds beside a spoke of a face are cut, the spoke goes and two
+//! triangles become a face of the next tier. So a piece can be split once it is whole.
+
+use super::piece::Piece;
+use super::store::Store;
+
+/// What is split in one frame, and what that offers to be split next.
+pub(super) struct Cut<'a> {
+    pub store: &'a mut Store,
+    pub frame: u32,
+    /// Whether pieces around are split so that a piece becomes whole.
+    pub spread: bool,
+    /// Pieces of every depth below the deepest: faces at even ones, diamonds at odd ones.
+    pub offers: &'a mut [Vec<u32>],
+    /// Number of faces drawn.
+    pub faces: usize,
+}
+
+impl Cut<'_> {
+    pub fn split(&mut self, t: usize, piece: Piece) -> bool {
+        match piece {
+            Piece::Face(f) => self.split_face(t, f),
+            Piece::Diamond(e) => self.split_diamond(t, e),
+        }
+    }
+
+    fn split_face(&mut self, t: usize, f: u32) -> bool {
+        let face = &self.store.tiers[t].faces[f as usize];
+        if face.split == self.frame {
+            return true;
+        }
+        if t > 0 {
+            let parent = face.parent;
+            for e in self.store.beside(t - 1, parent) {
+                if !self.require_diamond(t - 1, e) {
+                    return false;
+                }
+            }
+        }
+        self.store.children(t, f);
+        self.store.tiers[t].faces[f as usize].split = self.frame;
+        let corners = self.store.tiers[t].corners_of(f);
+        self.faces += corners.len() - 1;
+        for c in corners {
+            let e = self.store.tiers[t].corner_edges[c as usize];
+            self.faces -= usize::from(self.store.is_merged(t, e, self.frame));
+            self.offer(t, Piece::Diamond(e));
+        }
+        true
+    }
+
+    fn split_diamond(&mut self, t: usize, e: u32) -> bool {
+        if self.store.tiers[t].edges[e as usize].split == self.frame {
+            return true;
+        }
+        let sides = self.store.sides(t, e);
+        for &c in &sides {
+            let face = self.store.tiers[t].face_of(c);
+            if !self.require_face(t, face) {
+                return false;
+            }
+        }
+        self.store.tiers[t].edges[e as usize].split = self.frame;
+        self.faces += if self.store.is_ridge(t, e) { sides.len() } else { 3 };
+        for c in sides {
+            for corner in [c, self.store.tiers[t].next(c)] {
+                let mut beside = self.store.beside(t, corner).into_iter();
+                let merged = beside.all(|e| self.store.is_split(t, e, self.frame));
+                self.faces -= usize::from(merged);
+                let child = self.store.tiers[t].child(corner);
+                self.offer(t + 1, Piece::Face(child));
+            }
+        }
+        true
+    }
+
+    fn require_diamond(&mut self, t: usize, e: u32) -> bool {
+        if self.spread {
+            return self.split_diamond(t, e);
+        }
+        self.store.is_split(t, e, self.frame)
+    }
+
+    fn require_face(&mut self, t: usize, f: u32) -> bool {
+        if self.spread {
+            return self.split_face(t, f);
+        }
+        self.store.tiers[t].faces[f as usize].split == self.frame
+    }
+
+    /// Puts a piece among those of its depth, once a frame.
+    pub fn offer(&mut self, t: usize, piece: Piece) {
+        let depth = 2 * t + usize::from(matches!(piece, Piece::Diamond(_)));
+        let Some(offers) = self.offers.get_mut(depth) else {
+            return;
+        };
+        let (offered, id) = match piece {
+            Piece::Face(f) if self.store.is_hole(t, f) => return,
+            Piece::Face(f) => (&mut self.store.tiers[t].faces[f as usize].offered, f),
+            Piece::Diamond(e) => (&mut self.store.tiers[t].edges[e as usize].offered, e),
+        };
+        if *offered != self.frame {
+            *offered = self.frame;
+            offers.push(id);
+        }
+    }
+}
+
+impl Store {
+    /// The edges before and after a corner.
+    pub fn beside(&self, t: usize, corner: u32) -> [u32; 2] {
+        let tier = &self.tiers[t];
+        [tier.previous(corner), corner].map(|c| tier.corner_edges[c as usize])
+    }
+
+    /// Whether the diamond over an edge has been split in a frame.
+    pub fn is_split(&self, t: usize, e: u32, frame: u32) -> bool {
+        self.tiers[t].edges[e as usize].split == frame
+    }
+
+    /// Whether both faces of an edge have been cut in a frame, and it has gone.
+    pub fn is_merged(&self, t: usize, e: u32, frame: u32) -> bool {
+        let tier = &self.tiers[t];
+        let cut = |c: u32| {
+            let face = tier.face_of(c);
+            tier.faces[face as usize].split == frame && !self.is_hole(t, face)
+        };
+        !self.is_ridge(t, e) && {
+            let sides = self.known_sides(t, e);
+            sides.len() == 2 && sides.into_iter().all(cut)
+        }
+    }
+}
