@@ -1,5 +1,7 @@
 //! `karui subdivide`: a smooth surface from a coarse cage.
 
+mod adaptive;
+
 use crate::args::WriteArgs;
 use crate::console::Console;
 use crate::failure::Failure;
@@ -52,6 +54,8 @@ pub struct Args {
     /// Refuse to make more faces than this
     #[arg(long, value_name = "COUNT", default_value_t = SubdivOptions::default().max_faces)]
     max_faces: u64,
+    #[command(flatten)]
+    adaptive: adaptive::AdaptiveArgs,
     #[command(flatten)]
     write: WriteArgs,
 }
@@ -176,7 +180,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     let made = {
         let progress = console.progress();
-        subdivide(control, &args.options(), surface, &*progress)
+        let adaptive = args.adaptive.refine(control, &args.options());
+        adaptive.unwrap_or_else(|| subdivide(control, &args.options(), surface, &*progress))
     };
     let made = made
         .map_err(|error| refused(error, args))

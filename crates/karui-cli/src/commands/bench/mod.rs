@@ -1,5 +1,6 @@
 //! `karui bench`: what Karui does to a folder of models, measured.
 
+mod adaptive;
 mod child;
 mod clock;
 mod hlod;
@@ -32,6 +33,7 @@ enum What {
     Thesis(thesis::Args),
     Hlod(hlod::Args),
     Subdivide(subdivide::Args),
+    Adaptive(adaptive::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
@@ -48,6 +50,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Thesis(args) => thesis::run(args, console),
         What::Hlod(args) => hlod::run(args, console),
         What::Subdivide(args) => subdivide::run(args, console),
+        What::Adaptive(args) => adaptive::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),

@@ -3,7 +3,9 @@
 use super::store::{Origin, Store};
 use super::*;
 use crate::geom::{Aabb, Camera};
-use crate::subdiv::{Boundary, Corner, Crease, CreaseMethod, Level, Refinement, TriangleRule};
+use crate::subdiv::{Boundary, Corner, Crease, CreaseMethod, Level, TriangleRule};
+use crate::subdiv::split::Kind;
+use crate::subdiv::masks;
 use proptest::prelude::*;
 use std::collections::HashMap;
 
@@ -70,13 +72,15 @@ struct Uniform {
 
 impl Uniform {
     fn new(cage: &Cage, points: &[Vec3], options: &SubdivOptions) -> Self {
-        let values: Vec<[f32; 3]> = points.iter().map(|p| p.to_array()).collect();
-        let at = |levels| {
-            let options = SubdivOptions { levels, ..*options };
-            Refinement::new(cage, &options).unwrap().evaluate(&values).unwrap()
-        };
-        let refinement = Refinement::new(cage, options).unwrap();
-        let levels = refinement.levels().to_vec();
+        let kind = Kind::CATMULL_CLARK;
+        let mut levels = vec![Level::of_cage(cage, options).unwrap()];
+        let mut positions: Vec<Vec<[f32; 3]>> = vec![points.iter().map(|p| p.to_array()).collect()];
+        for t in 0..options.levels as usize {
+            levels.push(levels[t].refined(kind, true));
+            let mut to = vec![[0.0; 3]; levels[t + 1].vertex_count()];
+            masks::step(&levels[t], kind, &positions[t], &mut to);
+            positions.push(to);
+        }
         let sorted = |mut v: Vec<u32>| {
             v.sort_unstable();
             v
@@ -93,7 +97,7 @@ impl Uniform {
             (0..l.edge_count() as u32).map(edge).collect()
         });
         Self {
-            positions: (0..levels.len() as u32).map(at).collect(),
+            positions,
             faces: faces.collect(),
             edges: edges.collect(),
             levels,
@@ -248,7 +252,7 @@ proptest! {
 
 /// Follows vertices down as many tiers as it takes.
 fn check_limits(adaptive: &mut Adaptive, mesh: &AdaptiveMesh) {
-    const DEEP: usize = 13;
+    const DEEP: usize = 16;
     for (v, &point) in mesh.points.iter().enumerate().step_by(17) {
         let store = &mut adaptive.store;
         let [t, local] = store.points[point as usize].place;
