@@ -22,7 +22,9 @@ fn files(folder: &Folder, tileset: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let all = folder.files().into_iter();
     let below = all.filter_map(|(path, bytes)| {
         let root = folder.path(tileset);
-        let path = path.strip_prefix(&root).or_else(|_| path.strip_prefix(tileset));
+        let path = path
+            .strip_prefix(&root)
+            .or_else(|_| path.strip_prefix(tileset));
         Some((path.ok()?.to_owned(), bytes))
     });
     let mut files: Vec<_> = below.collect();
@@ -31,7 +33,9 @@ fn files(folder: &Folder, tileset: &str) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 fn whole(folder: &Folder, tileset: &str) -> serde_json::Value {
-    let report = folder.ok(&format!("info {tileset}/tileset.json --json")).json();
+    let report = folder
+        .ok(&format!("info {tileset}/tileset.json --json"))
+        .json();
     assert_eq!(report[0]["errors"], serde_json::json!([]), "{report}");
     report[0].clone()
 }
@@ -105,7 +109,10 @@ fn what_does_not_fit_together_is_refused() {
     let folder = land();
     folder.fails(2, "tiles land.ply -o out --tiling implicit");
     folder.fails(2, &format!("tiles land.ply --stand-in 5 {TILES} out"));
-    folder.fails(2, "tiles land.ply --triangles 3 --memory-limit 20MiB -o out");
+    folder.fails(
+        2,
+        "tiles land.ply --triangles 3 --memory-limit 20MiB -o out",
+    );
     folder.write("empty.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
     folder.fails(2, &format!("tiles empty.ply {TILES} out"));
     assert!(!folder.path("out").exists());

@@ -21,7 +21,12 @@ const CAGES: [&str; 6] = [
 
 fn cage(name: &str) -> Option<ControlMesh> {
     let models = std::env::var_os("KARUI_MODELS").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models")),
+        || {
+            PathBuf::from(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../../../shared/models"
+            ))
+        },
         PathBuf::from,
     );
     let path = models.join("subdivision").join(name);
@@ -55,7 +60,10 @@ fn open_edges(mesh: &PolyMesh, point: impl Fn(u32) -> u32) -> Vec<[u32; 2]> {
             *seen.entry(edge).or_default() += 1;
         }
     }
-    assert!(seen.values().all(|&n| n == 1), "an edge of two faces in one sense");
+    assert!(
+        seen.values().all(|&n| n == 1),
+        "an edge of two faces in one sense"
+    );
     let open = seen.keys().filter(|[a, b]| !seen.contains_key(&[*b, *a]));
     let mut open: Vec<[u32; 2]> = open.copied().collect();
     open.sort_unstable();
@@ -66,7 +74,11 @@ fn open_edges(mesh: &PolyMesh, point: impl Fn(u32) -> u32) -> Vec<[u32; 2]> {
 fn boundary(open: &[[u32; 2]], cage: u32) -> Vec<[u32; 2]> {
     let mut next: HashMap<u32, u32> = HashMap::new();
     for &[a, b] in open.iter().filter(|e| e[0] >= cage) {
-        assert_eq!(next.insert(a, b), None, "a boundary that forks at a new vertex");
+        assert_eq!(
+            next.insert(a, b),
+            None,
+            "a boundary that forks at a new vertex"
+        );
     }
     let starts = open.iter().filter(|e| e[0] < cage);
     let mut ends: Vec<[u32; 2]> = starts
@@ -77,7 +89,10 @@ fn boundary(open: &[[u32; 2]], cage: u32) -> Vec<[u32; 2]> {
             [a, b]
         })
         .collect();
-    assert!(next.is_empty(), "a boundary of new vertices alone is a crack");
+    assert!(
+        next.is_empty(),
+        "a boundary of new vertices alone is a crack"
+    );
     ends.sort_unstable();
     ends
 }
@@ -110,7 +125,9 @@ fn real_cages_have_no_cracks() {
 
 #[test]
 fn threads_and_frames_before_change_nothing() {
-    let Some(control) = cage("spot_control_mesh.obj") else { return };
+    let Some(control) = cage("spot_control_mesh.obj") else {
+        return;
+    };
     let lit = |direction| {
         let mut view = view(&control, direction);
         view.lights = Light::three_points(&view.camera).unwrap();
@@ -121,16 +138,22 @@ fn threads_and_frames_before_change_nothing() {
         ..AdaptiveOptions::within(0.5)
     };
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| {
             let mut adaptive = adaptive(&control);
             let all = turntable_directions(3, 0.2).into_iter();
-            all.map(|d| adaptive.refine(&lit(d), &options).unwrap()).collect::<Vec<_>>()
+            all.map(|d| adaptive.refine(&lit(d), &options).unwrap())
+                .collect::<Vec<_>>()
         })
     };
     let one = run(1);
     assert!(run(2) == one && run(8) == one);
-    let mut fresh = adaptive(&control).refine(&lit(turntable_directions(3, 0.2)[2]), &options).unwrap();
+    let mut fresh = adaptive(&control)
+        .refine(&lit(turntable_directions(3, 0.2)[2]), &options)
+        .unwrap();
     // Numbers of points are only good for one mesh.
     fresh.points.clone_from(&one[2].points);
     assert!(fresh == one[2]);
@@ -160,23 +183,42 @@ fn distance(from: &TriMesh, to: &TriMesh, view: &View) -> f64 {
 
 #[test]
 fn the_surface_is_as_close_as_asked() {
-    for name in ["fish_control_mesh.obj", "spot_control_mesh.obj", "suzanne.ply"] {
+    for name in [
+        "fish_control_mesh.obj",
+        "spot_control_mesh.obj",
+        "suzanne.ply",
+    ] {
         let Some(control) = cage(name) else { continue };
         let view = view(&control, Vec3::new(0.5, 0.3, 1.0));
         let mut adaptive = adaptive(&control);
-        let fine = adaptive.refine(&view, &AdaptiveOptions::uniform(10)).unwrap().to_tri_mesh();
+        let fine = adaptive
+            .refine(&view, &AdaptiveOptions::uniform(10))
+            .unwrap()
+            .to_tri_mesh();
         for pixels in [4.0, 1.0, 0.5] {
-            let drawn = adaptive.refine(&view, &AdaptiveOptions::within(pixels)).unwrap();
+            let drawn = adaptive
+                .refine(&view, &AdaptiveOptions::within(pixels))
+                .unwrap();
             let found = distance(&drawn.to_tri_mesh(), &fine, &view);
-            println!("{name}: {pixels} px asked, {found:.3} found, {}", drawn.mesh.face_count());
-            assert!(found <= pixels, "{name}: {found} pixels instead of {pixels}");
+            println!(
+                "{name}: {pixels} px asked, {found:.3} found, {}",
+                drawn.mesh.face_count()
+            );
+            assert!(
+                found <= pixels,
+                "{name}: {found} pixels instead of {pixels}"
+            );
         }
     }
 }
 
 #[test]
 fn nothing_jumps_while_the_camera_moves() {
-    for name in ["fish_control_mesh.obj", "spot_control_mesh.obj", "suzanne.ply"] {
+    for name in [
+        "fish_control_mesh.obj",
+        "spot_control_mesh.obj",
+        "suzanne.ply",
+    ] {
         let Some(control) = cage(name) else { continue };
         let mut adaptive = adaptive(&control);
         let options = AdaptiveOptions::within(1.0);
@@ -188,7 +230,9 @@ fn nothing_jumps_while_the_camera_moves() {
             adaptive.refine_into(&view, &options, &mut reused).unwrap();
             let drawn = reused.to_tri_mesh();
             if let Some(last) = &last {
-                most = most.max(distance(&drawn, last, &view)).max(distance(last, &drawn, &view));
+                most = most
+                    .max(distance(&drawn, last, &view))
+                    .max(distance(last, &drawn, &view));
             }
             last = Some(drawn);
         }

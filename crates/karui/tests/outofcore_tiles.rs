@@ -26,11 +26,7 @@ fn options(triangles: u64, aligned: bool) -> PlanOptions {
     }
 }
 
-fn tried(
-    mesh: &TriMesh,
-    options: PlanOptions,
-    workers: usize,
-) -> karui::outofcore::Result<Tiled> {
+fn tried(mesh: &TriMesh, options: PlanOptions, workers: usize) -> karui::outofcore::Result<Tiled> {
     let folder = tempdir().expect("folder");
     let store = Folder::create(folder.path())?;
     let source = Memory(mesh);
@@ -93,7 +89,11 @@ type Corners = [[u32; 3]; 3];
 /// All triangles by the bits of their corners, the least first.
 fn corners(meshes: &[TriMesh]) -> Vec<Corners> {
     let of_mesh = |mesh: &TriMesh| -> Vec<Corners> {
-        let corner = |v: u32| mesh.positions[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+        let corner = |v: u32| {
+            mesh.positions[v as usize]
+                .to_array()
+                .map(|x| (x + 0.0).to_bits())
+        };
         let turned = |t: &[u32; 3]| {
             let mut corners = t.map(corner);
             let least = (0..3).min_by_key(|&i| corners[i]).unwrap_or(0);
@@ -172,7 +172,11 @@ fn the_coarsest_is_small_and_the_own_border_is_simplified() {
     let land = shapes::landscape(200, 200, 3);
     let tiled = tiled(&land, 1000, false);
     let root = tiled.mesh(0);
-    println!("{} triangles, {}", root.triangles.len(), tiled.tree.nodes.len());
+    println!(
+        "{} triangles, {}",
+        root.triangles.len(),
+        tiled.tree.nodes.len()
+    );
     assert!(root.triangles.len() <= 1000);
     let report = diagnose(&root).expect("report");
     assert!(report.boundary_edges < 400, "{}", report.boundary_edges);
@@ -249,23 +253,39 @@ fn what_cannot_be_cut_is_one_tile_or_an_error() {
         let leaves = tiled(&same, 16, aligned).leaves();
         assert!(!leaves.is_empty());
         let none = tried(&TriMesh::default(), options(16, aligned), 1);
-        assert!(matches!(none, Err(Error::Block(karui::Error::Empty { .. }))));
+        assert!(matches!(
+            none,
+            Err(Error::Block(karui::Error::Empty { .. }))
+        ));
     }
     let slabs = PlanOptions {
         scheme: Scheme::Slabs,
         ..options(100, false)
     };
-    for bad in [slabs, options(15, false), PlanOptions { block_triangles: 700, ..options(100, false) }] {
+    for bad in [
+        slabs,
+        options(15, false),
+        PlanOptions {
+            block_triangles: 700,
+            ..options(100, false)
+        },
+    ] {
         let found = tried(&one, bad, 1);
-        assert!(matches!(found, Err(Error::Block(karui::Error::BadOption { .. }))));
+        assert!(matches!(
+            found,
+            Err(Error::Block(karui::Error::BadOption { .. }))
+        ));
     }
 }
 
 fn soup() -> impl Strategy<Value = TriMesh> {
     let coordinate = prop_oneof![-1f32..1.0, -1e9f32..1e9, Just(0.0)];
     let positions = prop::collection::vec(prop::array::uniform3(coordinate), 3..60);
-    (positions, prop::collection::vec(prop::array::uniform3(0usize..60), 1..150)).prop_map(
-        |(positions, triangles)| {
+    (
+        positions,
+        prop::collection::vec(prop::array::uniform3(0usize..60), 1..150),
+    )
+        .prop_map(|(positions, triangles)| {
             let count = positions.len();
             TriMesh {
                 positions: positions.into_iter().map(Vec3::from).collect(),
@@ -275,8 +295,7 @@ fn soup() -> impl Strategy<Value = TriMesh> {
                     .collect(),
                 ..TriMesh::default()
             }
-        },
-    )
+        })
 }
 
 proptest! {

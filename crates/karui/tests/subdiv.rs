@@ -530,7 +530,7 @@ fn boundary_vertices_of_four_quads_have_no_tangent_plane() {
 fn sheets_on_one_another_have_no_normals() {
     // Two sheets of the same nine vertices' places, joined at their boundary.
     let at = |i: u32| [(i % 4) as f32, (i / 4) as f32, 0.37];
-    let is_rim = |i: u32| i % 4 % 3 == 0 || i / 4 % 3 == 0;
+    let is_rim = |i: u32| (i % 4).is_multiple_of(3) || (i / 4).is_multiple_of(3);
     let mut positions: Vec<Point> = (0..16).map(at).collect();
     let mut other: Vec<u32> = (0..16).collect();
     for i in (0..16).filter(|&i| !is_rim(i)) {

@@ -112,7 +112,11 @@ fn cells(tree: &outofcore::TileTree, up: Up) -> CellTree {
     }
     let scaled = |node: &TileNode| node.error * halved(node.depth);
     CellTree {
-        scheme: if flat { Scheme::Quadtree } else { Scheme::Octree },
+        scheme: if flat {
+            Scheme::Quadtree
+        } else {
+            Scheme::Octree
+        },
         min: tree.min,
         max,
         error: tree.nodes.iter().map(scaled).fold(0.0, f64::max),
@@ -177,12 +181,24 @@ mod tests {
     #[test]
     fn chains_become_one_node() {
         // 0 - 1 - { 2, 3 - 4 - { 5, 6 } }
-        let nodes = [(None, 0), (Some(0), 1), (Some(1), 2), (Some(1), 2), (Some(3), 3)];
+        let nodes = [
+            (None, 0),
+            (Some(0), 1),
+            (Some(1), 2),
+            (Some(1), 2),
+            (Some(3), 3),
+        ];
         let mut nodes: Vec<_> = nodes.into_iter().map(|(p, d)| node(p, d)).collect();
         nodes.extend([node(Some(4), 4), node(Some(4), 4)]);
         let kept = branching(&nodes);
         let found: Vec<_> = kept.iter().map(|n| (n.parent, n.depth)).collect();
-        let expected = [(None, 1), (Some(0), 2), (Some(0), 3), (Some(2), 4), (Some(2), 4)];
+        let expected = [
+            (None, 1),
+            (Some(0), 2),
+            (Some(0), 3),
+            (Some(2), 4),
+            (Some(2), 4),
+        ];
         assert_eq!(found, expected);
     }
 
@@ -192,7 +208,9 @@ mod tests {
             cell: [1, 2, 3],
             ..node(None, 3)
         };
-        let found = [Up::Y, Up::Z].map(|up| cell(&node, up)).map(|c| [c.x, c.y, c.z]);
+        let found = [Up::Y, Up::Z]
+            .map(|up| cell(&node, up))
+            .map(|c| [c.x, c.y, c.z]);
         assert_eq!(found, [[1, 4, 2], [1, 2, 3]]);
     }
 }

@@ -98,7 +98,11 @@ fn after(
     manifest: &Manifest,
     results: &[RowResult],
 ) -> Result<Manifest> {
-    if let Some(cut) = plan.options.tiles.filter(|_| after_reading(manifest.phase.kind)) {
+    if let Some(cut) = plan
+        .options
+        .tiles
+        .filter(|_| after_reading(manifest.phase.kind))
+    {
         return tiles::after(store, plan, cut, manifest, results);
     }
     match manifest.phase.kind {

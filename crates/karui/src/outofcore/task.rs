@@ -57,9 +57,7 @@ pub fn verify_task(store: &dyn Store, manifest: &Manifest, row: u64) -> Result<R
         kind if kind.makes_blocks() => Block::open(store, &row.output)?.verify()?,
         Kind::Bounds => drop(read_bounds(store, &row.output)?),
         Kind::Borders => super::borders::verify(store, &row.output)?,
-        _ => {
-            super::sections::Sections::open(store, &row.output)?.verify()?
-        }
+        _ => super::sections::Sections::open(store, &row.output)?.verify()?,
     }
     found(store, manifest, row.id)
 }

@@ -4,7 +4,7 @@ use crate::args::size;
 use anyhow::Result;
 use karui::geom::{Aabb, Camera, Vec3};
 use karui::subdiv::adaptive::{Adaptive, AdaptiveOptions, MAX_DEPTH, View};
-use karui::subdiv::{ControlMesh, Subdivided, SubdivOptions};
+use karui::subdiv::{ControlMesh, SubdivOptions, Subdivided};
 
 /// Refinement for one view.
 #[derive(Debug, Clone, clap::Args)]
@@ -19,7 +19,12 @@ pub struct AdaptiveArgs {
           default_value = "0.5,0.35,1", requires = "adaptive")]
     camera: Place,
     /// Vertical field of view, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 35.0, requires = "adaptive")]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 35.0,
+        requires = "adaptive"
+    )]
     fov: f32,
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "N|WxH", default_value = "1920x1080", value_parser = size,
@@ -75,7 +80,9 @@ impl AdaptiveArgs {
     }
 
     fn options(&self) -> AdaptiveOptions {
-        let options = self.pixels.map_or_else(AdaptiveOptions::default, AdaptiveOptions::within);
+        let options = self
+            .pixels
+            .map_or_else(AdaptiveOptions::default, AdaptiveOptions::within);
         AdaptiveOptions {
             depth_front: self.depth_front.unwrap_or(options.depth_front),
             depth_silhouette: self.depth_silhouette.unwrap_or(options.depth_silhouette),
@@ -92,7 +99,11 @@ impl AdaptiveArgs {
         let framed = Camera::looking_at(bounds, direction, self.fov.to_radians());
         let camera = match self.camera {
             Place::Towards(_) => framed,
-            Place::At(eye, target) => Camera { eye, target, ..framed },
+            Place::At(eye, target) => Camera {
+                eye,
+                target,
+                ..framed
+            },
         };
         View {
             camera,
@@ -103,7 +114,9 @@ impl AdaptiveArgs {
 }
 
 fn place(text: &str) -> Result<Place, String> {
-    let numbers = text.split(',').map(|n| n.trim().parse().ok().filter(|n: &f32| n.is_finite()));
+    let numbers = text
+        .split(',')
+        .map(|n| n.trim().parse().ok().filter(|n: &f32| n.is_finite()));
     match numbers.collect::<Option<Vec<f32>>>().as_deref() {
         Some(&[x, y, z]) if [x, y, z] != [0.0; 3] => Ok(Place::Towards(Vec3::new(x, y, z))),
         Some(&[a, b, c, x, y, z]) if [a, b, c] != [x, y, z] => {
@@ -119,7 +132,10 @@ mod tests {
 
     #[test]
     fn cameras_are_three_numbers_or_six() {
-        assert_eq!(place("1, 2,-3"), Ok(Place::Towards(Vec3::new(1.0, 2.0, -3.0))));
+        assert_eq!(
+            place("1, 2,-3"),
+            Ok(Place::Towards(Vec3::new(1.0, 2.0, -3.0)))
+        );
         assert_eq!(place("0,0,1,0,0,0"), Ok(Place::At(Vec3::Z, Vec3::ZERO)));
         for wrong in ["", "1,2", "0,0,0", "1,2,nan", "1,1,1,1,1,1", "1,2,3,4"] {
             assert!(place(wrong).is_err(), "{wrong}");

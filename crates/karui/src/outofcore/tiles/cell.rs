@@ -85,10 +85,8 @@ mod tests {
                 let row = Row { first: child.first, end: child.end(), ..Row::default() };
                 prop_assert_eq!(Cell::of(&row), child);
                 let expected = [i >> 2 & 1, i >> 1 & 1, i & 1];
-                for axis in 0..3 {
-                    let at = 2 * cell.place()[axis] + expected[axis] as u32;
-                    prop_assert_eq!(child.place()[axis], at);
-                }
+                let at = std::array::from_fn(|axis| 2 * cell.place()[axis] + expected[axis] as u32);
+                prop_assert_eq!(child.place(), at);
             }
         }
     }

@@ -56,5 +56,5 @@ pub(super) fn packed(mesh: TriMesh, phase: &Phase, head: Head) -> Result<Vec<u8>
         sample: phase.sample,
     };
     let keys = phase.next.as_ref().ok_or_else(|| phase.broken("no keys"))?;
-    Ok(pack(&contents, keys, head)?.1)
+    Ok(pack(&contents, keys, head))
 }

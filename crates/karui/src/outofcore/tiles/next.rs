@@ -36,7 +36,7 @@ pub(in super::super) fn after(
         number: manifest.phase.number + 1,
         kind,
         aligned: cut.aligned,
-        keys: manifest.phase.next.clone(),
+        keys: manifest.phase.next,
         ..manifest.phase.clone()
     };
     match kind {

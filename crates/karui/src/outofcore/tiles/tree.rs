@@ -47,7 +47,7 @@ pub struct TileNode {
 pub fn tile_tree(store: &dyn Store) -> Result<TileTree> {
     let kept = kept(store)?;
     let made = made(store, &kept)?;
-    let keys = kept.iter().find_map(|manifest| manifest.phase.keys.clone());
+    let keys = kept.iter().find_map(|manifest| manifest.phase.keys);
     let (Some(keys), true) = (keys, made.contains_key(&Cell::ROOT)) else {
         let name = "the mesh of the whole".into();
         return Err(Error::Missing { name });

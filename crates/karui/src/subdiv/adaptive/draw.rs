@@ -70,8 +70,10 @@ impl Drawing<'_> {
     /// The child at a corner, if both diamonds beside it have been split, or the half of it
     /// that has.
     fn draw_child(&mut self, t: usize, corner: u32, base: u32) {
-        let [before, after] =
-            self.store.beside(t, corner).map(|e| self.store.is_split(t, e, self.frame));
+        let [before, after] = self
+            .store
+            .beside(t, corner)
+            .map(|e| self.store.is_split(t, e, self.frame));
         let child = self.store.tiers[t].child(corner);
         let half = match [before, after] {
             [true, true] => return self.draw_face(t + 1, child, base),
@@ -101,7 +103,9 @@ impl Drawing<'_> {
     }
 
     fn end_face(&mut self, base: u32, depth: usize) {
-        let PolyMesh { indices, offsets, .. } = &mut self.to.mesh;
+        let PolyMesh {
+            indices, offsets, ..
+        } = &mut self.to.mesh;
         offsets.push(indices.len() as u32);
         self.to.parents.push(base);
         self.to.depths.push(depth as u8);

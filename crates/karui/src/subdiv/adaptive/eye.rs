@@ -38,7 +38,11 @@ pub(super) struct Eye {
 
 impl Eye {
     pub fn new(view: &View) -> Result<Self> {
-        let View { camera, size, lights } = view;
+        let View {
+            camera,
+            size,
+            lights,
+        } = view;
         if size.contains(&0) {
             let found = format!("{} x {}", size[0], size[1]);
             return Err(bad("size", &found, "at least 1 x 1 pixels"));

@@ -87,7 +87,8 @@ impl Store {
         let to = &mut tier.edges[e as usize];
         (to.point, to.halves) = (point, next.edges.len() as u32);
         for (end, sharpness) in ends.into_iter().zip(sharpness) {
-            next.edges.push(Edge::new([point, end], e, sharpness, edge.open));
+            next.edges
+                .push(Edge::new([point, end], e, sharpness, edge.open));
         }
     }
 
@@ -154,7 +155,10 @@ impl Store {
             return Some(edge.corners[other]);
         }
         let e = tier.corner_edges[corner as usize];
-        let (parent, from) = (edge.parent, tier.faces[tier.face_of(corner) as usize].parent);
+        let (parent, from) = (
+            edge.parent,
+            tier.faces[tier.face_of(corner) as usize].parent,
+        );
         let above = &self.tiers[t - 1];
         let own = above.face_of(from);
         let mut starts = above.edges[parent as usize].corners.into_iter();

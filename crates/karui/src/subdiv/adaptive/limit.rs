@@ -65,7 +65,11 @@ impl Fan {
         let sine = |i: usize| sin_cos(angle * i as f64).0;
         for i in 0..k {
             across += self.diagonals[i] * (sine(i) + sine(i + 1));
-            across += if i > 0 { self.spokes[i] * (4.0 * sine(i)) } else { DVec3::ZERO };
+            across += if i > 0 {
+                self.spokes[i] * (4.0 * sine(i))
+            } else {
+                DVec3::ZERO
+            };
         }
         self.oriented((first - last).cross(across))
     }
@@ -74,7 +78,10 @@ impl Fan {
     /// in closed form, but the fan of one step is made of that before it alone.
     pub fn dart(&self, sharp: usize) -> (DVec3, DVec3) {
         let steps = |count| (0..count).fold(self.clone(), |fan, _| fan.refined(sharp));
-        (steps(DART_STEPS).center, steps(DART_STEPS / 2).smooth_normal())
+        (
+            steps(DART_STEPS).center,
+            steps(DART_STEPS / 2).smooth_normal(),
+        )
     }
 
     /// The fan one step later, all around, with one sharp spoke.
@@ -86,7 +93,11 @@ impl Fan {
         };
         let spoke = |i: usize| {
             let ends = self.center + self.spokes[i];
-            if i == sharp { ends / 2.0 } else { (ends + face(i + n - 1) + face(i)) / 4.0 }
+            if i == sharp {
+                ends / 2.0
+            } else {
+                (ends + face(i + n - 1) + face(i)) / 4.0
+            }
         };
         let sum: DVec3 = (0..n).map(|i| face(i) + self.spokes[i]).sum();
         let count = n as f64;
@@ -151,7 +162,10 @@ mod tests {
         assert!(fan.smooth_normal().distance(plane) < 1e-12);
         let (limit, normal) = fan.dart(0);
         // A crease that ends pulls its end along.
-        assert!(limit.dot(plane).abs() < 1e-9 && limit.length() > 1e-3, "{limit}");
+        assert!(
+            limit.dot(plane).abs() < 1e-9 && limit.length() > 1e-3,
+            "{limit}"
+        );
         assert!(normal.distance(plane) < 1e-6, "{normal}");
         let half = Fan {
             spokes: fan.spokes[..4].into(),

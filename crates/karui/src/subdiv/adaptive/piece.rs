@@ -46,7 +46,10 @@ impl Store {
             let [[a, b, right], [_, _, left]] = [halves[0], halves[1]];
             return smallvec![smallvec![a, left, b, right]];
         }
-        halves.drain(..).map(|half| Polygon::from_slice(&half)).collect()
+        halves
+            .drain(..)
+            .map(|half| Polygon::from_slice(&half))
+            .collect()
     }
 
     /// The triangle between an edge's ends and the centre of the face in which it starts at

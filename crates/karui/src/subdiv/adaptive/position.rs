@@ -76,8 +76,15 @@ impl Store {
     fn edge_share(&mut self, t: usize, e: u32) -> f64 {
         let edge = self.tiers[t].edges[e as usize];
         let goes_on = self.creases == CreaseMethod::Chaikin
-            && edge.ends.into_iter().all(|v| self.later_sharpness(t, e, v) > 0.0);
-        if goes_on { 1.0 } else { f64::from(edge.sharpness.min(1.0)) }
+            && edge
+                .ends
+                .into_iter()
+                .all(|v| self.later_sharpness(t, e, v) > 0.0);
+        if goes_on {
+            1.0
+        } else {
+            f64::from(edge.sharpness.min(1.0))
+        }
     }
 
     fn vertex_point(&mut self, t: usize, v: u32) -> DVec3 {

@@ -53,7 +53,8 @@ impl Store {
         ring.corners = back;
         let last = ring.corners[ring.corners.len() - 1];
         let tier = &self.tiers[t];
-        ring.edges.push(tier.corner_edges[tier.previous(last) as usize]);
+        ring.edges
+            .push(tier.corner_edges[tier.previous(last) as usize]);
     }
 
     /// Puts the first place first, and finds the edges.

@@ -28,7 +28,12 @@ struct Seen {
 
 /// Splits the cage's faces until every piece is good enough. Says whether that was possible
 /// with no more faces than may be.
-pub(super) fn select(cut: &mut Cut<'_>, eye: &Eye, options: &AdaptiveOptions, pass: &mut u32) -> bool {
+pub(super) fn select(
+    cut: &mut Cut<'_>,
+    eye: &Eye,
+    options: &AdaptiveOptions,
+    pass: &mut u32,
+) -> bool {
     for face in 0..cut.store.tiers[0].faces.len() as u32 {
         cut.offer(0, Piece::Face(face));
         cut.faces += usize::from(!cut.store.is_hole(0, face));
@@ -52,7 +57,11 @@ pub(super) fn select(cut: &mut Cut<'_>, eye: &Eye, options: &AdaptiveOptions, pa
 }
 
 fn piece(depth: usize, id: u32) -> Piece {
-    if depth.is_multiple_of(2) { Piece::Face(id) } else { Piece::Diamond(id) }
+    if depth.is_multiple_of(2) {
+        Piece::Face(id)
+    } else {
+        Piece::Diamond(id)
+    }
 }
 
 /// Which pieces of a depth are to be split.
@@ -68,7 +77,8 @@ fn choose(
     }
     let mut seen = Vec::new();
     let all = offers.par_iter().with_min_len(BATCH);
-    all.map(|&id| look(store, t, piece(depth, id), eye)).collect_into_vec(&mut seen);
+    all.map(|&id| look(store, t, piece(depth, id), eye))
+        .collect_into_vec(&mut seen);
     for (&id, seen) in offers.iter().zip(&seen) {
         store.mark(t, piece(depth, id), seen.flags, pass);
     }
@@ -101,7 +111,10 @@ fn look(store: &Store, t: usize, piece: Piece, eye: &Eye) -> Seen {
     }
     let error = f64::from(store.error(t, piece));
     let center = all.iter().sum::<DVec3>() / all.len() as f64;
-    let reach = all.iter().map(|p| p.distance_squared(center)).fold(0.0, f64::max);
+    let reach = all
+        .iter()
+        .map(|p| p.distance_squared(center))
+        .fold(0.0, f64::max);
     // The surface goes beyond its corners by about as much as it is away from the chords.
     let radius = reach.sqrt() + 2.0 * error;
     let pixels = eye.pixels(center, radius);
@@ -141,7 +154,9 @@ fn wanted(seen: &Seen, marks: u32, depth: u32, options: &AdaptiveOptions) -> boo
         return true;
     }
     let terminator = marks & !BOTH != 0;
-    let close = options.terminator_pixels.is_some_and(|pixels| seen.error > pixels);
+    let close = options
+        .terminator_pixels
+        .is_some_and(|pixels| seen.error > pixels);
     close && terminator && (front || silhouette)
 }
 

@@ -65,7 +65,11 @@ impl Cut<'_> {
             }
         }
         self.store.tiers[t].edges[e as usize].split = self.frame;
-        self.faces += if self.store.is_ridge(t, e) { sides.len() } else { 3 };
+        self.faces += if self.store.is_ridge(t, e) {
+            sides.len()
+        } else {
+            3
+        };
         for c in sides {
             for corner in [c, self.store.tiers[t].next(c)] {
                 let mut beside = self.store.beside(t, corner).into_iter();

@@ -134,7 +134,9 @@ impl Store {
             wedges: Vec::new(),
             creases: options.creases,
             triangles: options.triangles,
-            holes: (0..level.faces().count()).map(|f| level.is_hole(f)).collect(),
+            holes: (0..level.faces().count())
+                .map(|f| level.is_hole(f))
+                .collect(),
         };
         store.points = (0..positions.len()).map(|_| Point::NEW).collect();
         store.move_cage(positions);
@@ -167,7 +169,9 @@ impl Store {
         self.wedges.clear();
         let cage = &mut self.tiers[0];
         self.points.truncate(cage.vertices.len());
-        self.points.iter_mut().for_each(|p| (p.pass, p.frame) = (0, 0));
+        self.points
+            .iter_mut()
+            .for_each(|p| (p.pass, p.frame) = (0, 0));
         cage.vertices.iter_mut().for_each(|v| v.child = NONE);
         cage.wedges.fill(NONE);
         for edge in &mut cage.edges {
@@ -285,7 +289,9 @@ impl Tier {
         Self {
             vertices: (0..level.vertex_count() as u32).map(vertex).collect(),
             edges: (0..level.edge_count() as u32).map(edge).collect(),
-            faces: (0..level.faces().count() as u64).map(|f| Face::new(NONE, f)).collect(),
+            faces: (0..level.faces().count() as u64)
+                .map(|f| Face::new(NONE, f))
+                .collect(),
             corners: level.corners().to_vec(),
             corner_edges: level.corner_edges().to_vec(),
             wedges: vec![NONE; level.corners().len()],

@@ -3,15 +3,22 @@
 use super::store::{Origin, Store};
 use super::*;
 use crate::geom::{Aabb, Camera};
-use crate::subdiv::{Boundary, Corner, Crease, CreaseMethod, Level, TriangleRule};
-use crate::subdiv::split::Kind;
 use crate::subdiv::masks;
+use crate::subdiv::split::Kind;
+use crate::subdiv::{Boundary, Corner, Crease, CreaseMethod, Level, TriangleRule};
 use proptest::prelude::*;
 use std::collections::HashMap;
 
 /// Cages of all kinds: closed, open, of polygons, with a vertex of two fans.
 fn zoo() -> Vec<(Cage, Vec<Vec3>)> {
-    let cube = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let cube = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32 * 1.3);
     let cube_points: Vec<Vec3> = (0..8).map(corner).collect();
     let faces = |faces: &[&[u32]]| {
@@ -44,7 +51,13 @@ fn zoo() -> Vec<(Cage, Vec<Vec3>)> {
         glam::DVec3::new(c, f64::from(i / 5) + 0.2 * s, s).as_vec3()
     };
     let bow_tie = faces(&[&[0, 1, 2], &[0, 3, 4, 5], &[2, 1, 6]]);
-    let spread = |i: u32| Vec3::new((i * 7 % 5) as f32, (i * 3 % 4) as f32, (i * 5 % 7) as f32 * 0.3);
+    let spread = |i: u32| {
+        Vec3::new(
+            (i * 7 % 5) as f32,
+            (i * 3 % 4) as f32,
+            (i * 5 % 7) as f32 * 0.3,
+        )
+    };
     vec![
         (closed, cube_points.clone()),
         (open, cube_points),
@@ -136,7 +149,10 @@ impl Uniform {
             let same = self.vertex(&adaptive.store, t as usize, local);
             let expected = Vec3::from_array(self.positions[t as usize][same as usize]);
             let found = mesh.mesh.positions[v];
-            assert!(found.distance(expected) < 1e-6, "vertex {v} of tier {t}: {found} {expected}");
+            assert!(
+                found.distance(expected) < 1e-6,
+                "vertex {v} of tier {t}: {found} {expected}"
+            );
         }
     }
 }
@@ -147,12 +163,22 @@ fn tagged(cage: &Cage, tags: &[(usize, f32)]) -> Cage {
         let corner = i % cage.indices.len();
         let face = cage.offsets.partition_point(|&o| o as usize <= corner) - 1;
         let end = cage.offsets[face + 1] as usize;
-        let next = if corner + 1 == end { cage.offsets[face] as usize } else { corner + 1 };
+        let next = if corner + 1 == end {
+            cage.offsets[face] as usize
+        } else {
+            corner + 1
+        };
         let vertices = [cage.indices[corner], cage.indices[next]];
         if i % 5 == 0 {
-            cage.corners.push(Corner { vertex: vertices[0], sharpness });
+            cage.corners.push(Corner {
+                vertex: vertices[0],
+                sharpness,
+            });
         } else {
-            cage.creases.push(Crease { vertices, sharpness });
+            cage.creases.push(Crease {
+                vertices,
+                sharpness,
+            });
         }
     }
     cage
@@ -177,9 +203,14 @@ fn check_edges(cage: &Cage, mesh: &AdaptiveMesh) {
             open_cage.insert([face[i], face[(i + 1) % face.len()]], 0);
         }
     }
-    let ends = open_cage.keys().filter(|[a, b]| !open_cage.contains_key(&[*b, *a]));
+    let ends = open_cage
+        .keys()
+        .filter(|[a, b]| !open_cage.contains_key(&[*b, *a]));
     let mut boundary: Vec<[u32; 2]> = ends.copied().collect();
-    assert!(count.values().all(|&n| n == 1), "an edge twice in one sense");
+    assert!(
+        count.values().all(|&n| n == 1),
+        "an edge twice in one sense"
+    );
     let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
     let mut open = 0;
     for [a, b] in count.keys().filter(|[a, b]| !count.contains_key(&[*b, *a])) {
@@ -207,9 +238,21 @@ fn check_edges(cage: &Cage, mesh: &AdaptiveMesh) {
 
 fn subdiv(chaikin: bool, smooth: bool, edge_only: bool, levels: u32) -> SubdivOptions {
     SubdivOptions {
-        creases: if chaikin { CreaseMethod::Chaikin } else { CreaseMethod::Uniform },
-        triangles: if smooth { TriangleRule::Smooth } else { TriangleRule::CatmullClark },
-        boundary: if edge_only { Boundary::EdgeOnly } else { Boundary::EdgeAndCorner },
+        creases: if chaikin {
+            CreaseMethod::Chaikin
+        } else {
+            CreaseMethod::Uniform
+        },
+        triangles: if smooth {
+            TriangleRule::Smooth
+        } else {
+            TriangleRule::CatmullClark
+        },
+        boundary: if edge_only {
+            Boundary::EdgeOnly
+        } else {
+            Boundary::EdgeAndCorner
+        },
         levels,
         ..SubdivOptions::default()
     }
@@ -266,7 +309,10 @@ fn check_limits(adaptive: &mut Adaptive, mesh: &AdaptiveMesh) {
         }
         let expected = store.position(t, at);
         let found = mesh.mesh.positions[v].as_dvec3();
-        assert!(found.distance(expected) < 2e-6, "limit of {v}: {found} {expected}");
+        assert!(
+            found.distance(expected) < 2e-6,
+            "limit of {v}: {found} {expected}"
+        );
     }
 }
 
@@ -276,7 +322,9 @@ fn normals_are_those_of_fine_meshes() {
         let cage = tagged(&cage, &[(1, 10.0), (7, 2.0), (9, 10.0)]);
         let mut adaptive = Adaptive::new(&cage, &points, &SubdivOptions::default()).unwrap();
         let view = view(&points, Vec3::ONE);
-        let mesh = adaptive.refine(&view, &AdaptiveOptions::uniform(4)).unwrap();
+        let mesh = adaptive
+            .refine(&view, &AdaptiveOptions::uniform(4))
+            .unwrap();
         let store = &mut adaptive.store;
         let mut compared = 0;
         for corner in 0..store.tiers[2].corners.len() as u32 {
@@ -347,7 +395,10 @@ fn a_frame_does_not_depend_on_those_before() {
     let cage = tagged(&cage, &[(3, 2.5), (11, 10.0)]);
     let how = AdaptiveOptions::within(0.5);
     let mut walked = Adaptive::new(&cage, &points, &SubdivOptions::default()).unwrap();
-    for (i, direction) in crate::geom::fibonacci_directions(12).into_iter().enumerate() {
+    for (i, direction) in crate::geom::fibonacci_directions(12)
+        .into_iter()
+        .enumerate()
+    {
         let view = view(&points, direction);
         let mut fresh = Adaptive::new(&cage, &points, &SubdivOptions::default()).unwrap();
         if i == 5 {

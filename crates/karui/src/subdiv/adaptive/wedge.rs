@@ -55,7 +55,9 @@ impl Store {
         let fan = self.fan(deep, &at);
         let sectors = self.sectors(deep, &at);
         let sharp = self.around(deep, &at).iter().position(|&s| s > 0.0);
-        let dart = sharp.filter(|_| rule == Rule::Smooth).map(|sharp| fan.dart(sharp));
+        let dart = sharp
+            .filter(|_| rule == Rule::Smooth)
+            .map(|sharp| fan.dart(sharp));
         let limit = dart.map_or_else(|| limit(&fan, rule, &sectors), |d| d.0);
         self.points[vertex.point as usize].limit = limit.as_vec3();
         for sector in &sectors {
@@ -84,11 +86,14 @@ impl Store {
             ..Fan::default()
         };
         for &c in &ring.corners {
-            fan.spokes.push(self.corner_position(t, c & !3 | (c + 1) & 3));
-            fan.diagonals.push(self.corner_position(t, c & !3 | (c + 2) & 3));
+            fan.spokes
+                .push(self.corner_position(t, c & !3 | (c + 1) & 3));
+            fan.diagonals
+                .push(self.corner_position(t, c & !3 | (c + 2) & 3));
         }
         let last = ring.corners[ring.corners.len() - 1];
-        fan.spokes.push(self.corner_position(t, last & !3 | (last + 3) & 3));
+        fan.spokes
+            .push(self.corner_position(t, last & !3 | (last + 3) & 3));
         fan
     }
 
@@ -112,7 +117,11 @@ impl Store {
 
 impl super::store::Vertex {
     fn sharpness_if_for_ever(&self) -> f32 {
-        if self.sharpness >= INFINITELY_SHARP { self.sharpness } else { 0.0 }
+        if self.sharpness >= INFINITELY_SHARP {
+            self.sharpness
+        } else {
+            0.0
+        }
     }
 }
 

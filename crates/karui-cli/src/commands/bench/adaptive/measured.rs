@@ -47,7 +47,11 @@ pub fn of_control(
     args: &Args,
     staged: Option<&Staged>,
 ) -> Result<Vec<Row>> {
-    let model = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let model = file
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     let view = |turn: f64| view(control, args, turn);
     let studio = Studio::new(view(0.0).camera, args.size);
     let mut uniform = fresh(control)?;
@@ -82,7 +86,9 @@ pub fn of_control(
         }
         let faces = mesh.mesh.face_count();
         let turns = (1..=args.frames).map(|i| STEP * f64::from(i));
-        let mut times = turns.map(|t| frame(t, &mut mesh)).collect::<Result<Vec<f64>>>()?;
+        let mut times = turns
+            .map(|t| frame(t, &mut mesh))
+            .collect::<Result<Vec<f64>>>()?;
         times.sort_by(f64::total_cmp);
         let alike = uniforms.iter().find(|u| u.flip <= flip);
         rows.push(Row {

@@ -38,10 +38,20 @@ pub struct Args {
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
     /// Degrees around the model where it is looked at from, from +z towards +x
-    #[arg(long, value_name = "DEG", default_value_t = 30.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 30.0,
+        allow_hyphen_values = true
+    )]
     azimuth: f64,
     /// Degrees above the horizon
-    #[arg(long, value_name = "DEG", default_value_t = 15.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 15.0,
+        allow_hyphen_values = true
+    )]
     elevation: f64,
     /// Also write pictures from the front and from the side
     #[arg(long, value_name = "DIR")]
@@ -69,7 +79,11 @@ impl Args {
 /// Measures every file, one after the other.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let page = args.output.as_deref().map(Page::open).transpose()?;
-    let staged = args.pictures.as_deref().map(Staged::in_directory).transpose()?;
+    let staged = args
+        .pictures
+        .as_deref()
+        .map(Staged::in_directory)
+        .transpose()?;
     let mut rows = Vec::new();
     for file in &args.files {
         check_cancelled()?;
@@ -83,9 +97,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(staged) = staged {
         staged.publish()?;
     }
-    tell(page, "karui bench adaptive", &markdown(args, &rows), console)?;
+    tell(
+        page,
+        "karui bench adaptive",
+        &markdown(args, &rows),
+        console,
+    )?;
     console.document(&rows)?;
-    console.summary(&format!("{} rows; {}", rows.len(), seconds(console.elapsed())))
+    console.summary(&format!(
+        "{} rows; {}",
+        rows.len(),
+        seconds(console.elapsed())
+    ))
 }
 
 fn markdown(args: &Args, rows: &[Row]) -> String {
