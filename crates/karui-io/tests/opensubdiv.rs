@@ -5,7 +5,7 @@
 //! that look random and some vertices, and sums of limits and texture coordinates.
 //! `tools/osd_oracle/build.sh SHAPES OUT` writes everything; with `KARUI_OSD_FIXTURES=OUT`
 //! every vertex of every level, limit, normal and texture coordinate is compared.
-#![allow(clippy::unwrap_used, reason = "it is a test")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test")]
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;

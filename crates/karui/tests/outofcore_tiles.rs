@@ -70,7 +70,7 @@ impl Tiled {
         while let Some(node) = open.pop() {
             let children = self.children(node);
             let hash = (node as u64 + 1).wrapping_mul(seed | 1) >> 3;
-            if hash % 3 != 0 && !children.is_empty() {
+            if !hash.is_multiple_of(3) && !children.is_empty() {
                 open.extend(children);
                 continue;
             }
