@@ -2,129 +2,184 @@
 
 use super::mesh::AdaptiveMesh;
 use super::store::Store;
-use crate::mesh::PolyMesh;
+use rayon::prelude::*;
 
-/// One frame's drawing.
-pub(super) struct Drawing<'a> {
-    pub store: &'a mut Store,
-    pub frame: u32,
-    pub limit: bool,
+/// Parts that the cage's faces are drawn in, each by one thread.
+const PARTS: usize = 32;
+
+/// Memory of drawing, for the next frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Drawing {
+    parts: Vec<Part>,
     /// Wedges that have become vertices.
-    pub wedges: &'a mut Vec<u32>,
-    pub to: &'a mut AdaptiveMesh,
+    wedges: Vec<u32>,
 }
 
-impl Drawing<'_> {
-    pub fn draw(&mut self) {
-        self.to.clear();
-        self.wedges.clear();
-        for face in 0..self.store.tiers[0].faces.len() as u32 {
-            if !self.store.is_hole(0, face) {
-                self.draw_face(0, face, face);
+/// Faces in order: their sizes, the cage's faces they are of, their depths, and of every
+/// corner its wedge and, if that is going to matter, its tier and vertex.
+#[derive(Debug, Clone, Default)]
+struct Part {
+    sizes: Vec<u32>,
+    bases: Vec<u32>,
+    depths: Vec<u8>,
+    wedges: Vec<u32>,
+    places: Vec<[u32; 2]>,
+}
+
+impl Drawing {
+    pub fn draw(&mut self, store: &mut Store, frame: u32, limit: bool, to: &mut AdaptiveMesh) {
+        let faces = store.tiers[0].faces.len() as u32;
+        let size = faces.div_ceil(PARTS as u32);
+        self.parts.resize_with(PARTS, Part::default);
+        let shared = &*store;
+        self.parts.par_iter_mut().enumerate().for_each(|(i, part)| {
+            part.clear();
+            let mut pen = Pen {
+                store: shared,
+                frame,
+                places: !limit,
+                part,
+            };
+            let first = i as u32 * size;
+            for face in first..(first + size).min(faces) {
+                if !shared.is_hole(0, face) {
+                    pen.face(0, face, face);
+                }
             }
-        }
-        self.place_vertices();
+        });
+        to.clear();
+        self.join(store, frame, to);
+        self.place_vertices(store, limit, to);
     }
 
-    fn draw_face(&mut self, t: usize, face: u32, base: u32) {
-        let corners = self.store.tiers[t].corners_of(face);
-        if self.store.tiers[t].faces[face as usize].split != self.frame {
-            for c in corners {
-                self.push_corner(t, c);
+    /// Puts the parts one after the other; vertices are numbered as they come.
+    fn join(&mut self, store: &mut Store, frame: u32, to: &mut AdaptiveMesh) {
+        self.wedges.clear();
+        store.drawn.resize(store.wedges.len(), [0; 2]);
+        for part in &self.parts {
+            for &wedge in &part.wedges {
+                let drawn = &mut store.drawn[wedge as usize];
+                if drawn[0] != frame {
+                    *drawn = [frame, self.wedges.len() as u32];
+                    self.wedges.push(wedge);
+                }
+                to.mesh.indices.push(drawn[1]);
             }
-            return self.end_face(base, 2 * t);
+            for &size in &part.sizes {
+                let end = to.mesh.offsets[to.mesh.offsets.len() - 1] + size;
+                to.mesh.offsets.push(end);
+            }
+            to.parents.extend_from_slice(&part.bases);
+            to.depths.extend_from_slice(&part.depths);
+            for (&wedge, &place) in part.wedges.iter().zip(&part.places) {
+                let point = &mut store.points[store.wedges[wedge as usize].point as usize];
+                if point.frame != frame || point.place[0] < place[0] {
+                    (point.frame, point.place) = (frame, place);
+                }
+            }
+        }
+    }
+
+    fn place_vertices(&self, store: &mut Store, limit: bool, to: &mut AdaptiveMesh) {
+        let shared = &*store;
+        let wedges = self.wedges.par_iter().with_min_len(4096);
+        let wedges = wedges.map(|&wedge| &shared.wedges[wedge as usize]);
+        wedges
+            .clone()
+            .map(|w| w.point)
+            .collect_into_vec(&mut to.points);
+        let normals = to.mesh.attributes.normals.get_or_insert_default();
+        wedges.clone().map(|w| w.normal).collect_into_vec(normals);
+        let limits = wedges.map(|w| shared.points[w.point as usize].limit);
+        limits.collect_into_vec(&mut to.mesh.positions);
+        if limit {
+            return;
+        }
+        for (position, &point) in to.mesh.positions.iter_mut().zip(&to.points) {
+            let [t, v] = store.points[point as usize].place;
+            *position = store.position(t as usize, v).as_vec3();
+        }
+    }
+}
+
+impl Part {
+    fn clear(&mut self) {
+        self.sizes.clear();
+        self.bases.clear();
+        self.depths.clear();
+        self.wedges.clear();
+        self.places.clear();
+    }
+}
+
+/// Draws faces into a part.
+struct Pen<'a> {
+    store: &'a Store,
+    frame: u32,
+    places: bool,
+    part: &'a mut Part,
+}
+
+impl Pen<'_> {
+    fn face(&mut self, t: usize, face: u32, base: u32) {
+        let tier = &self.store.tiers[t];
+        let corners = tier.corners_of(face);
+        if tier.faces[face as usize].split != self.frame {
+            return self.push(t, corners, base, 2 * t);
         }
         for c in corners.clone() {
-            let e = self.store.tiers[t].corner_edges[c as usize];
+            let e = tier.corner_edges[c as usize];
             if !self.store.is_split(t, e, self.frame) {
-                self.draw_diamond(t, c, e, base);
+                self.diamond(t, c, e, base);
             }
         }
         for c in corners {
-            self.draw_child(t, c, base);
+            self.child(t, c, base);
         }
     }
 
     /// The diamond over the edge after a corner, or this side of it.
-    fn draw_diamond(&mut self, t: usize, corner: u32, e: u32, base: u32) {
+    fn diamond(&mut self, t: usize, corner: u32, e: u32, base: u32) {
         let [a, b, center] = self.store.half(t, corner);
-        let mut corners = [a, b, center, center];
-        let mut count = 3;
-        if self.store.is_merged(t, e, self.frame) {
-            let edge = &mut self.store.tiers[t].edges[e as usize];
-            if edge.drawn == self.frame {
-                return;
-            }
-            edge.drawn = self.frame;
-            let other = usize::from(edge.corners[0] == corner);
-            let across = edge.corners[other];
-            corners = [a, self.store.half(t, across)[2], b, center];
-            count = 4;
+        if !self.store.is_merged(t, e, self.frame) {
+            return self.push(t + 1, [a, b, center], base, 2 * t + 1);
         }
-        for &c in &corners[..count] {
-            self.push_corner(t + 1, c);
+        // It is drawn once, from the place that comes first.
+        let sides = self.store.known_sides(t, e);
+        if sides[0] == corner {
+            let across = self.store.half(t, sides[1])[2];
+            self.push(t + 1, [a, across, b, center], base, 2 * t + 1);
         }
-        self.end_face(base, 2 * t + 1);
     }
 
     /// The child at a corner, if both diamonds beside it have been split, or the half of it
     /// that has.
-    fn draw_child(&mut self, t: usize, corner: u32, base: u32) {
-        let [before, after] = self
-            .store
-            .beside(t, corner)
-            .map(|e| self.store.is_split(t, e, self.frame));
+    fn child(&mut self, t: usize, corner: u32, base: u32) {
+        let split = |e: u32| self.store.is_split(t, e, self.frame);
+        let [before, after] = self.store.beside(t, corner).map(split);
         let child = self.store.tiers[t].child(corner);
         let half = match [before, after] {
-            [true, true] => return self.draw_face(t + 1, child, base),
+            [true, true] => return self.face(t + 1, child, base),
             [true, false] => [0, 2, 3],
             [false, true] => [0, 1, 2],
             [false, false] => return,
         };
-        for i in half {
-            self.push_corner(t + 1, 4 * child + i);
-        }
-        self.end_face(base, 2 * t + 2);
+        self.push(t + 1, half.map(|i| 4 * child + i), base, 2 * t + 2);
     }
 
-    fn push_corner(&mut self, t: usize, corner: u32) {
-        let found = self.store.wedge(t, corner);
-        let wedge = &mut self.store.wedges[found as usize];
-        let point = &mut self.store.points[wedge.point as usize];
-        if wedge.frame != self.frame {
-            (wedge.frame, wedge.drawn) = (self.frame, self.wedges.len() as u32);
-            self.wedges.push(found);
+    fn push(&mut self, t: usize, corners: impl IntoIterator<Item = u32>, base: u32, depth: usize) {
+        let before = self.part.wedges.len();
+        for corner in corners {
+            self.part.wedges.push(self.store.known_wedge(t, corner));
+            if self.places {
+                let v = self.store.tiers[t].corners[corner as usize];
+                self.part.places.push([t as u32, v]);
+            }
         }
-        if point.frame != self.frame || point.place[0] < t as u32 {
-            let v = self.store.tiers[t].corners[corner as usize];
-            (point.frame, point.place) = (self.frame, [t as u32, v]);
-        }
-        self.to.mesh.indices.push(wedge.drawn);
-    }
-
-    fn end_face(&mut self, base: u32, depth: usize) {
-        let PolyMesh {
-            indices, offsets, ..
-        } = &mut self.to.mesh;
-        offsets.push(indices.len() as u32);
-        self.to.parents.push(base);
-        self.to.depths.push(depth as u8);
-    }
-
-    fn place_vertices(&mut self) {
-        let mut normals = self.to.mesh.attributes.normals.take().unwrap_or_default();
-        for &wedge in self.wedges.iter() {
-            let wedge = self.store.wedges[wedge as usize];
-            let point = self.store.points[wedge.point as usize];
-            let [t, v] = point.place;
-            let position = match self.limit {
-                true => point.limit,
-                false => self.store.position(t as usize, v).as_vec3(),
-            };
-            self.to.mesh.positions.push(position);
-            self.to.points.push(wedge.point);
-            normals.push(wedge.normal);
-        }
-        self.to.mesh.attributes.normals = Some(normals);
+        self.part
+            .sizes
+            .push((self.part.wedges.len() - before) as u32);
+        self.part.bases.push(base);
+        self.part.depths.push(depth as u8);
     }
 }

@@ -1,6 +1,7 @@
 //! What a view makes of lengths, places and directions.
 
 use super::options::{View, bad};
+use super::store::Shape;
 use crate::error::Result;
 use crate::geom::{Camera, Light, Projection};
 use glam::DVec3;
@@ -17,6 +18,19 @@ pub(super) enum Looker {
 }
 
 impl Looker {
+    /// Whether all of a shape faces the looker, or all of it faces away.
+    pub fn sees(self, shape: &Shape) -> Option<bool> {
+        let towards = self.from(shape.center.as_dvec3());
+        let near = match self {
+            Self::At(_) => f64::from(shape.radius),
+            Self::Towards(_) => 0.0,
+        };
+        // A hair more, for the rounding of the axis.
+        let least = (f64::from(shape.spread) + 1e-5) * towards.length() + near;
+        let along = towards.dot(shape.axis.as_dvec3());
+        (along.abs() > least).then_some(along > 0.0)
+    }
+
     /// From a place towards the looker; of any length.
     pub fn from(self, place: DVec3) -> DVec3 {
         match self {

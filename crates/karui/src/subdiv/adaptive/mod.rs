@@ -47,7 +47,7 @@ pub struct Adaptive {
     frame: u32,
     pass: u32,
     offers: Vec<Vec<u32>>,
-    wedges: Vec<u32>,
+    drawing: Drawing,
 }
 
 impl Adaptive {
@@ -73,7 +73,7 @@ impl Adaptive {
             frame: 0,
             pass: 0,
             offers: Vec::new(),
-            wedges: Vec::new(),
+            drawing: Drawing::default(),
         })
     }
 
@@ -87,7 +87,7 @@ impl Adaptive {
         Ok(())
     }
 
-    /// Number of faces kept, of all levels; each is about 250 bytes.
+    /// Number of faces kept, of all levels; each is about 450 bytes.
     #[must_use]
     pub fn kept(&self) -> usize {
         self.store.face_count()
@@ -129,14 +129,8 @@ impl Adaptive {
             faces: 0,
         };
         to.truncated = !select::select(&mut cut, &eye, options, &mut self.pass);
-        let mut drawing = Drawing {
-            store: &mut self.store,
-            frame: self.frame,
-            limit: options.limit,
-            wedges: &mut self.wedges,
-            to,
-        };
-        drawing.draw();
+        self.drawing
+            .draw(&mut self.store, self.frame, options.limit, to);
         Ok(())
     }
 

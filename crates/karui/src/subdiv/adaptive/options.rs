@@ -42,6 +42,9 @@ pub struct AdaptiveOptions {
     /// No face in front has a longer side than this, pixels, however flat, up to its depth;
     /// `None`, the default, leaves size aside.
     pub side_pixels: Option<f64>,
+    /// Whether faces are seen from behind as well, as those of sheets are; then whatever is
+    /// in the picture counts as in front. Default `false`.
+    pub two_sided: bool,
     /// Whether vertices are put on the limit surface, so that they stay where they are when
     /// what is around them becomes finer. Default `true`.
     pub limit: bool,
@@ -51,7 +54,7 @@ pub struct AdaptiveOptions {
     /// Nothing more is split once there are this many faces. Default 4,000,000.
     pub max_faces: usize,
     /// At the start of a frame, all that has been kept from others is forgotten if it has
-    /// more faces than this, each about 250 bytes. Default 8,000,000.
+    /// more faces than this, each about 450 bytes. Default 4,000,000.
     pub max_kept: usize,
 }
 
@@ -65,10 +68,11 @@ impl Default for AdaptiveOptions {
             silhouette_pixels: None,
             terminator_pixels: None,
             side_pixels: None,
+            two_sided: false,
             limit: true,
             spread: true,
             max_faces: 4_000_000,
-            max_kept: 8_000_000,
+            max_kept: 4_000_000,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What may be split: faces of a tier, and between two tiers the diamonds over its edges.
 
-use super::store::{NONE, Store};
+use super::eye::corner_normals;
+use super::store::{NONE, Shape, Store};
 use crate::subdiv::INFINITELY_SHARP;
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
@@ -66,14 +67,18 @@ impl Store {
         edge.open || edge.sharpness >= INFINITELY_SHARP
     }
 
-    /// Distance of a piece to the limit surface, model units; with its limits found once.
-    pub fn measure(&mut self, t: usize, piece: Piece) -> f32 {
-        let known = match piece {
-            Piece::Face(f) => self.tiers[t].faces[f as usize].error,
-            Piece::Diamond(e) => self.tiers[t].edges[e as usize].error,
-        };
-        if known >= 0.0 {
-            return known;
+    /// What is known of a piece.
+    pub fn shape(&self, t: usize, piece: Piece) -> &Shape {
+        match piece {
+            Piece::Face(f) => &self.tiers[t].faces[f as usize].shape,
+            Piece::Diamond(e) => &self.tiers[t].edges[e as usize].shape,
+        }
+    }
+
+    /// Finds the shape of a piece and its limits, once.
+    pub fn measure(&mut self, t: usize, piece: Piece) {
+        if self.shape(t, piece).error >= 0.0 {
+            return;
         }
         if let Piece::Diamond(e) = piece {
             for c in self.sides(t, e) {
@@ -81,38 +86,49 @@ impl Store {
             }
         }
         let tier = Self::tier_of(t, piece);
-        let polygons = self.polygons(t, piece);
-        let errors = polygons.iter().map(|p| self.distance(tier, p, piece));
-        let error = errors.fold(0.0, f64::max) as f32;
-        match piece {
-            Piece::Face(f) => self.tiers[t].faces[f as usize].error = error,
-            Piece::Diamond(e) => self.tiers[t].edges[e as usize].error = error,
+        let mut corners = Corners::default();
+        for polygon in self.polygons(t, piece) {
+            self.add(tier, &polygon, piece, &mut corners);
         }
-        error
+        let shape = corners.shape();
+        match piece {
+            Piece::Face(f) => self.tiers[t].faces[f as usize].shape = shape,
+            Piece::Diamond(e) => self.tiers[t].edges[e as usize].shape = shape,
+        }
     }
 
-    /// Distance of a polygon between limits to the limit surface, as if that were made of
+    /// Adds a polygon. Its distance to the limit surface is found as if that were made of
     /// cubic curves between its corners; and, as those may turn back within, as far as what
     /// its corners still have to go in their tier tells.
-    fn distance(&mut self, t: usize, polygon: &[u32], piece: Piece) -> f64 {
+    fn add(&mut self, t: usize, polygon: &[u32], piece: Piece, to: &mut Corners) {
         let n = polygon.len();
-        let mut ends: SmallVec<[(DVec3, DVec3); 4]> = SmallVec::new();
+        let first = to.limits.len();
         let mut way = 0f64;
         for &c in polygon {
             let wedge = self.wedge(t, c);
             let (limit, normal) = self.limit(wedge);
             way = way.max(limit.distance(self.corner_position(t, c)));
-            ends.push((limit, normal));
+            to.limits.push(limit);
+            to.normals.push(normal);
+            to.points.push(self.wedges[wedge as usize].point);
         }
-        let mut error = way * way_factor(piece, n);
+        to.error = to.error.max(way * way_factor(piece, n));
         for i in 0..n {
             for k in 1..=FARTHEST.min(n / 2) {
-                let (p, np) = ends[i];
-                let (q, nq) = ends[(i + k) % n];
-                error = error.max(CUBIC * ((q - p).dot(np).abs() + (q - p).dot(nq).abs()));
+                let [i, j] = [first + i, first + (i + k) % n];
+                let chord = to.limits[j] - to.limits[i];
+                let slopes = chord.dot(to.normals[i]).abs() + chord.dot(to.normals[j]).abs();
+                to.error = to.error.max(CUBIC * slopes);
+                to.side = if k == 1 {
+                    to.side.max(chord.length())
+                } else {
+                    to.side
+                };
             }
         }
-        error
+        let limits: SmallVec<[DVec3; 4]> = to.limits[first..].into();
+        to.normals
+            .extend(corner_normals(&limits).map(DVec3::normalize_or_zero));
     }
 
     /// Limit position and normal of a wedge.
@@ -127,6 +143,49 @@ impl Store {
         let wedge = self.tiers[t].wedges[corner as usize];
         debug_assert_ne!(wedge, NONE, "limits are found before they are asked for");
         self.limit(wedge)
+    }
+}
+
+/// What is found of the corners of a piece.
+#[derive(Debug, Default)]
+struct Corners {
+    limits: SmallVec<[DVec3; 8]>,
+    normals: SmallVec<[DVec3; 16]>,
+    points: SmallVec<[u32; 8]>,
+    error: f64,
+    side: f64,
+}
+
+impl Corners {
+    fn shape(&self) -> Shape {
+        let center = self.limits.iter().sum::<DVec3>() / self.limits.len() as f64;
+        let reach = self
+            .limits
+            .iter()
+            .map(|p| p.distance(center))
+            .fold(0.0, f64::max);
+        let axis = self.normals.iter().sum::<DVec3>().normalize_or_zero();
+        let normals = self.normals.iter().filter(|n| **n != DVec3::ZERO);
+        let cosine = normals.map(|n| n.dot(axis)).fold(1.0, f64::min);
+        let spread = if cosine > 0.0 {
+            (1.0 - cosine * cosine).max(0.0).sqrt()
+        } else {
+            2.0
+        };
+        Shape {
+            center: center.as_vec3(),
+            // The surface goes beyond its corners by about as much as it is off the chords.
+            radius: (reach + 2.0 * self.error) as f32,
+            axis: axis.as_vec3(),
+            spread: spread as f32,
+            error: self.error as f32,
+            side: self.side as f32,
+            points: match self.points[..] {
+                [a, b, c] => [a, b, c, c],
+                [a, b, c, d] => [a, b, c, d],
+                _ => [NONE; 4],
+            },
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::eye::{Eye, corner_normals};
 use super::options::AdaptiveOptions;
 use super::piece::Piece;
 use super::split::Cut;
-use super::store::Store;
+use super::store::{NONE, Store};
 use glam::DVec3;
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -20,6 +20,8 @@ const FIRST: u32 = 0x5555_5555;
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
     flags: u32,
+    /// Whether any of it faces the eye.
+    front: bool,
     outside: bool,
     /// Distance to the limit surface and length of the longest side, pixels.
     error: f64,
@@ -35,6 +37,9 @@ pub(super) fn select(
     pass: &mut u32,
 ) -> bool {
     for face in 0..cut.store.tiers[0].faces.len() as u32 {
+        for c in cut.store.tiers[0].corners_of(face) {
+            cut.store.wedge(0, c);
+        }
         cut.offer(0, Piece::Face(face));
         cut.faces += usize::from(!cut.store.is_hole(0, face));
     }
@@ -75,9 +80,10 @@ fn choose(
     for &id in offers {
         store.measure(t, piece(depth, id));
     }
+    store.marks.resize(store.points.len(), [0; 2]);
     let mut seen = Vec::new();
     let all = offers.par_iter().with_min_len(BATCH);
-    all.map(|&id| look(store, t, piece(depth, id), eye))
+    all.map(|&id| look(store, t, piece(depth, id), (eye, options.two_sided)))
         .collect_into_vec(&mut seen);
     for (&id, seen) in offers.iter().zip(&seen) {
         store.mark(t, piece(depth, id), seen.flags, pass);
@@ -85,43 +91,50 @@ fn choose(
     let store = &*store;
     let all = offers.par_iter().zip(&seen).with_min_len(BATCH);
     let chosen = all.map(|(&id, seen)| {
-        let marks = store.marks(t, piece(depth, id));
+        let marks = store.marked(t, piece(depth, id));
         wanted(seen, marks, depth as u32, options)
     });
     chosen.collect()
 }
 
-fn look(store: &Store, t: usize, piece: Piece, eye: &Eye) -> Seen {
+fn look(store: &Store, t: usize, piece: Piece, (eye, two_sided): (&Eye, bool)) -> Seen {
+    let shape = store.shape(t, piece);
+    let (center, radius) = (shape.center.as_dvec3(), f64::from(shape.radius));
+    let pixels = eye.pixels(center, radius);
+    let mut flags = 0;
+    for i in 0..eye.lookers.len() {
+        flags |= match eye.lookers[i].sees(shape) {
+            Some(true) => 0b01 << (2 * i),
+            Some(false) => 0b10 << (2 * i),
+            None => facings(store, t, piece, eye) & BOTH << (2 * i),
+        };
+    }
+    Seen {
+        flags,
+        front: flags & 1 != 0 || two_sided,
+        outside: eye.outside(center, radius),
+        error: f64::from(shape.error) * pixels,
+        side: f64::from(shape.side) * pixels,
+    }
+}
+
+/// Bits of what faces whom in a piece, corner by corner: the eye by normals of the polygon,
+/// as published, and by those of the surface; lights by these alone.
+fn facings(store: &Store, t: usize, piece: Piece, eye: &Eye) -> u32 {
     let tier = Store::tier_of(t, piece);
-    let mut seen = Seen::default();
-    let mut all: SmallVec<[DVec3; 8]> = SmallVec::new();
+    let mut flags = 0;
     for polygon in store.polygons(t, piece) {
-        let first = all.len();
+        let mut limits: SmallVec<[DVec3; 8]> = SmallVec::new();
         for &c in &polygon {
             let (limit, normal) = store.corner_limit(tier, c);
-            seen.flags |= facing(eye, limit, normal);
-            all.push(limit);
+            flags |= facing(eye, limit, normal);
+            limits.push(limit);
         }
-        let corners = &all[first..];
-        for (i, normal) in corner_normals(corners).enumerate() {
-            seen.flags |= facing(eye, corners[i], normal) & BOTH;
-            let side = corners[i].distance(corners[(i + 1) % corners.len()]);
-            seen.side = seen.side.max(side);
+        for (&limit, normal) in limits.iter().zip(corner_normals(&limits)) {
+            flags |= facing(eye, limit, normal) & BOTH;
         }
     }
-    let error = f64::from(store.error(t, piece));
-    let center = all.iter().sum::<DVec3>() / all.len() as f64;
-    let reach = all
-        .iter()
-        .map(|p| p.distance_squared(center))
-        .fold(0.0, f64::max);
-    // The surface goes beyond its corners by about as much as it is away from the chords.
-    let radius = reach.sqrt() + 2.0 * error;
-    let pixels = eye.pixels(center, radius);
-    seen.outside = eye.outside(center, radius);
-    seen.error = error * pixels;
-    seen.side *= pixels;
-    seen
+    flags
 }
 
 /// Bits of what faces whom.
@@ -142,8 +155,7 @@ fn wanted(seen: &Seen, marks: u32, depth: u32, options: &AdaptiveOptions) -> boo
         return false;
     }
     let silhouette = marks & BOTH == BOTH;
-    let front = seen.flags & 1 != 0;
-    if front && depth < options.depth_front && unfinished(seen, options.pixels, options) {
+    if seen.front && depth < options.depth_front && unfinished(seen, options.pixels, options) {
         return true;
     }
     if depth >= options.depth_silhouette {
@@ -157,7 +169,7 @@ fn wanted(seen: &Seen, marks: u32, depth: u32, options: &AdaptiveOptions) -> boo
     let close = options
         .terminator_pixels
         .is_some_and(|pixels| seen.error > pixels);
-    close && terminator && (front || silhouette)
+    close && terminator && (seen.front || silhouette)
 }
 
 /// Whether a piece is too far from the limit surface, or too large; if neither matters, no
@@ -172,35 +184,40 @@ fn unfinished(seen: &Seen, pixels: Option<f64>, options: &AdaptiveOptions) -> bo
 }
 
 impl Store {
-    fn error(&self, t: usize, piece: Piece) -> f32 {
-        match piece {
-            Piece::Face(f) => self.tiers[t].faces[f as usize].error,
-            Piece::Diamond(e) => self.tiers[t].edges[e as usize].error,
-        }
-    }
-
     /// Leaves flags at all points of a piece.
     fn mark(&mut self, t: usize, piece: Piece, flags: u32, pass: u32) {
-        let tier = Self::tier_of(t, piece);
-        for c in self.polygons(t, piece).into_iter().flatten() {
-            let wedge = self.tiers[tier].wedges[c as usize];
-            let point = &mut self.points[self.wedges[wedge as usize].point as usize];
-            let old = if point.pass == pass { point.flags } else { 0 };
-            (point.pass, point.flags) = (pass, old | flags);
+        for point in self.piece_points(t, piece) {
+            let mark = &mut self.marks[point as usize];
+            let old = if mark[0] == pass { mark[1] } else { 0 };
+            *mark = [pass, old | flags];
         }
     }
 
     /// Lookers that one of the piece's points has something towards and something away from:
     /// both bits of theirs.
-    fn marks(&self, t: usize, piece: Piece) -> u32 {
-        let tier = Self::tier_of(t, piece);
-        let mut both = 0;
-        for c in self.polygons(t, piece).into_iter().flatten() {
-            let wedge = self.tiers[tier].wedges[c as usize];
-            let flags = self.points[self.wedges[wedge as usize].point as usize].flags;
+    fn marked(&self, t: usize, piece: Piece) -> u32 {
+        let both = |point: u32| {
+            let flags = self.marks[point as usize][1];
             let pairs = flags & flags >> 1 & FIRST;
-            both |= pairs | pairs << 1;
+            pairs | pairs << 1
+        };
+        self.piece_points(t, piece)
+            .into_iter()
+            .map(both)
+            .fold(0, |a, b| a | b)
+    }
+
+    fn piece_points(&self, t: usize, piece: Piece) -> SmallVec<[u32; 4]> {
+        let points = self.shape(t, piece).points;
+        if points[0] != NONE {
+            return SmallVec::from_buf(points);
         }
-        both
+        let tier = Self::tier_of(t, piece);
+        let wedge = |c: u32| self.wedges[self.tiers[tier].wedges[c as usize] as usize].point;
+        self.polygons(t, piece)
+            .into_iter()
+            .flatten()
+            .map(wedge)
+            .collect()
     }
 }

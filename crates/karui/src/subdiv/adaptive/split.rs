@@ -6,7 +6,7 @@
 //! triangles become a face of the next tier. So a piece can be split once it is whole.
 
 use super::piece::Piece;
-use super::store::Store;
+use super::store::{NONE, Store};
 
 /// What is split in one frame, and what that offers to be split next.
 pub(super) struct Cut<'a> {
@@ -41,7 +41,9 @@ impl Cut<'_> {
                 }
             }
         }
-        self.store.children(t, f);
+        let child = self.store.children(t, f);
+        // The centre is going to be drawn.
+        self.store.wedge(t + 1, 4 * child + 2);
         self.store.tiers[t].faces[f as usize].split = self.frame;
         let corners = self.store.tiers[t].corners_of(f);
         self.faces += corners.len() - 1;
@@ -71,6 +73,8 @@ impl Cut<'_> {
             3
         };
         for c in sides {
+            let child = self.store.tiers[t].child(c);
+            self.store.wedge(t + 1, 4 * child + 1);
             for corner in [c, self.store.tiers[t].next(c)] {
                 let mut beside = self.store.beside(t, corner).into_iter();
                 let merged = beside.all(|e| self.store.is_split(t, e, self.frame));
@@ -133,9 +137,7 @@ impl Store {
             let face = tier.face_of(c);
             tier.faces[face as usize].split == frame && !self.is_hole(t, face)
         };
-        !self.is_ridge(t, e) && {
-            let sides = self.known_sides(t, e);
-            sides.len() == 2 && sides.into_iter().all(cut)
-        }
+        let sides = tier.edges[e as usize].corners;
+        !self.is_ridge(t, e) && !sides.contains(&NONE) && sides.into_iter().all(cut)
     }
 }

@@ -54,12 +54,11 @@ pub(super) struct Edge {
     pub sharpness: f32,
     /// Whether it has one face only.
     pub open: bool,
-    /// Distance of its diamond to the limit surface, model units; negative if not known.
-    pub error: f32,
-    /// Frames in which its diamond was last split, offered to be split, and drawn.
+    /// Of its diamond.
+    pub shape: Shape,
+    /// Frames in which its diamond was last split, and offered to be split.
     pub split: u32,
     pub offered: u32,
-    pub drawn: u32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -71,8 +70,7 @@ pub(super) struct Face {
     /// Its place: the cage's corner it lies at, then two bits a tier. In the order of places
     /// everything comes out the same, whatever was made first.
     pub place: u64,
-    /// As of an edge.
-    pub error: f32,
+    pub shape: Shape,
     pub split: u32,
     pub offered: u32,
 }
@@ -95,9 +93,6 @@ pub(super) struct Tier {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point {
     pub limit: Vec3,
-    /// The pass in which the flags were set.
-    pub pass: u32,
-    pub flags: u32,
     /// The frame in which `place`, its deepest tier and vertex there, was set.
     pub frame: u32,
     pub place: [u32; 2],
@@ -108,9 +103,35 @@ pub(super) struct Point {
 pub(super) struct Wedge {
     pub point: u32,
     pub normal: Vec3,
-    /// The frame in which it became vertex `drawn` of the result.
-    pub frame: u32,
-    pub drawn: u32,
+}
+
+/// What does not depend on the view in whether a piece is to be split.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    /// A sphere around it.
+    pub center: Vec3,
+    pub radius: f32,
+    /// All normals are this far from the axis, as a sine; more than 1 if that says nothing.
+    pub axis: Vec3,
+    pub spread: f32,
+    /// Distance to the limit surface, model units; negative if not known.
+    pub error: f32,
+    /// Its longest side, model units.
+    pub side: f32,
+    /// Points of its corners, the last one twice for a triangle; `NONE` if there are more.
+    pub points: [u32; 4],
+}
+
+impl Shape {
+    pub const UNKNOWN: Self = Self {
+        center: Vec3::ZERO,
+        radius: 0.0,
+        axis: Vec3::ZERO,
+        spread: 2.0,
+        error: -1.0,
+        side: 0.0,
+        points: [NONE; 4],
+    };
 }
 
 #[derive(Debug, Clone)]
@@ -118,6 +139,10 @@ pub(super) struct Store {
     pub tiers: Vec<Tier>,
     pub points: Vec<Point>,
     pub wedges: Vec<Wedge>,
+    /// Of every point, the pass in which flags were set, and these.
+    pub marks: Vec<[u32; 2]>,
+    /// Of every wedge, the frame in which it became a vertex, and which.
+    pub drawn: Vec<[u32; 2]>,
     pub creases: CreaseMethod,
     pub triangles: TriangleRule,
     /// Faces of the cage that are left out; empty if none is.
@@ -132,11 +157,11 @@ impl Store {
             tiers: vec![Tier::of_level(&level)],
             points: Vec::new(),
             wedges: Vec::new(),
+            marks: Vec::new(),
+            drawn: Vec::new(),
             creases: options.creases,
             triangles: options.triangles,
-            holes: (0..level.faces().count())
-                .map(|f| level.is_hole(f))
-                .collect(),
+            holes: level.holes.clone(),
         };
         store.points = (0..positions.len()).map(|_| Point::NEW).collect();
         store.move_cage(positions);
@@ -147,11 +172,12 @@ impl Store {
     pub fn move_cage(&mut self, positions: &[Vec3]) {
         for tier in &mut self.tiers {
             tier.vertices.iter_mut().for_each(|v| v.known = false);
-            tier.edges.iter_mut().for_each(|e| e.error = -1.0);
-            tier.faces.iter_mut().for_each(|f| f.error = -1.0);
+            tier.edges.iter_mut().for_each(|e| e.shape = Shape::UNKNOWN);
+            tier.faces.iter_mut().for_each(|f| f.shape = Shape::UNKNOWN);
             tier.wedges.fill(NONE);
         }
         self.wedges.clear();
+        self.drawn.clear();
         for (vertex, &position) in self.tiers[0].vertices.iter_mut().zip(positions) {
             vertex.position = position;
             vertex.known = true;
@@ -167,19 +193,19 @@ impl Store {
     pub fn forget(&mut self) {
         self.tiers.truncate(1);
         self.wedges.clear();
+        self.drawn.clear();
         let cage = &mut self.tiers[0];
         self.points.truncate(cage.vertices.len());
-        self.points
-            .iter_mut()
-            .for_each(|p| (p.pass, p.frame) = (0, 0));
+        self.points.iter_mut().for_each(|p| p.frame = 0);
+        self.marks.clear();
         cage.vertices.iter_mut().for_each(|v| v.child = NONE);
         cage.wedges.fill(NONE);
         for edge in &mut cage.edges {
-            (edge.point, edge.halves, edge.error) = (NONE, NONE, -1.0);
-            (edge.split, edge.offered, edge.drawn) = (0, 0, 0);
+            (edge.point, edge.halves, edge.shape) = (NONE, NONE, Shape::UNKNOWN);
+            (edge.split, edge.offered) = (0, 0);
         }
         for face in &mut cage.faces {
-            (face.children, face.error) = (NONE, -1.0);
+            (face.children, face.shape) = (NONE, Shape::UNKNOWN);
             (face.split, face.offered) = (0, 0);
         }
     }
@@ -195,15 +221,13 @@ impl Store {
 
     /// Whether a face is left out of the result.
     pub fn is_hole(&self, tier: usize, face: u32) -> bool {
-        self.holes[self.base(tier, face) as usize]
+        !self.holes.is_empty() && self.holes[self.base(tier, face) as usize]
     }
 }
 
 impl Point {
     pub const NEW: Self = Self {
         limit: Vec3::ZERO,
-        pass: 0,
-        flags: 0,
         frame: 0,
         place: [0; 2],
     };
@@ -234,10 +258,9 @@ impl Edge {
             halves: NONE,
             sharpness,
             open,
-            error: -1.0,
+            shape: Shape::UNKNOWN,
             split: 0,
             offered: 0,
-            drawn: 0,
         }
     }
 }
@@ -248,7 +271,7 @@ impl Face {
             parent,
             children: NONE,
             place,
-            error: -1.0,
+            shape: Shape::UNKNOWN,
             split: 0,
             offered: 0,
         }

@@ -414,3 +414,109 @@ fn a_frame_does_not_depend_on_those_before() {
         assert!(a == b, "{i}");
     }
 }
+
+#[test]
+fn bad_input_is_refused() {
+    let (cage, points) = zoo().swap_remove(0);
+    let new = |cage: &Cage, points: &[Vec3], scheme| {
+        let options = SubdivOptions {
+            scheme,
+            ..SubdivOptions::default()
+        };
+        Adaptive::new(cage, points, &options)
+    };
+    let clark = Scheme::CatmullClark;
+    assert!(matches!(
+        new(&cage, &points, Scheme::Loop),
+        Err(Error::BadOption { .. })
+    ));
+    assert!(matches!(
+        new(&cage, &points[1..], clark),
+        Err(Error::LengthMismatch { .. })
+    ));
+    let mut nan = points.clone();
+    nan[3].y = f32::NAN;
+    assert!(matches!(
+        new(&cage, &nan, clark),
+        Err(Error::NotFinite { index: 3, .. })
+    ));
+    let mut three = cage.clone();
+    three.indices.extend([0, 1, 7]);
+    three.offsets.push(27);
+    assert!(new(&three, &points, clark).is_err());
+    assert!(matches!(
+        new(&Cage::default(), &[], clark),
+        Err(Error::Empty { .. })
+    ));
+
+    let mut adaptive = new(&cage, &points, clark).unwrap();
+    let good = view(&points, Vec3::ONE);
+    let bad = [
+        AdaptiveOptions::uniform(40),
+        AdaptiveOptions::within(0.0),
+        AdaptiveOptions::within(f64::NAN),
+    ];
+    for options in bad {
+        assert!(matches!(
+            adaptive.refine(&good, &options),
+            Err(Error::BadOption { .. })
+        ));
+    }
+    let mut lit = good.clone();
+    lit.lights = vec![crate::geom::Light::headlight(&good.camera).unwrap(); 16];
+    let mut flat = good.clone();
+    flat.size = [0, 9];
+    let mut nowhere = good.clone();
+    nowhere.camera.eye = nowhere.camera.target;
+    for view in [lit, flat, nowhere] {
+        assert!(adaptive.refine(&view, &AdaptiveOptions::default()).is_err());
+    }
+    assert!(adaptive.move_cage(&nan).is_err());
+    assert_eq!(
+        adaptive
+            .refine(&good, &AdaptiveOptions::uniform(0))
+            .unwrap()
+            .mesh
+            .face_count(),
+        6
+    );
+}
+
+#[test]
+fn sizes_are_kept_to() {
+    let (cage, points) = zoo().swap_remove(1);
+    let mut adaptive = Adaptive::new(&cage, &points, &SubdivOptions::default()).unwrap();
+    let view = view(&points, Vec3::ONE);
+    let few = AdaptiveOptions {
+        max_faces: 100,
+        max_kept: 10,
+        ..AdaptiveOptions::uniform(30)
+    };
+    let first = adaptive.refine(&view, &few).unwrap();
+    check_edges(&cage, &first);
+    assert!(first.truncated && (100..200).contains(&first.mesh.face_count()));
+    // Forgotten in between, and the same again.
+    assert!(adaptive.kept() > 10 && adaptive.refine(&view, &few).unwrap() == first);
+    let side = AdaptiveOptions {
+        side_pixels: Some(20.0),
+        ..AdaptiveOptions::within(1e6)
+    };
+    let small = adaptive.refine(&view, &side).unwrap();
+    assert!(!small.truncated && small.mesh.face_count() > 100);
+}
+
+#[test]
+fn coordinates_may_be_huge_or_all_the_same() {
+    let (cage, points) = zoo().swap_remove(2);
+    let same = vec![Vec3::ONE; points.len()];
+    let huge: Vec<Vec3> = points.iter().map(|p| *p * 1e9 + Vec3::splat(1e9)).collect();
+    for points in [same, huge] {
+        let mut adaptive = Adaptive::new(&cage, &points, &SubdivOptions::default()).unwrap();
+        let view = view(&points, Vec3::ONE);
+        for options in [AdaptiveOptions::default(), AdaptiveOptions::within(0.5)] {
+            let mesh = adaptive.refine(&view, &options).unwrap();
+            check_edges(&cage, &mesh);
+            assert!(mesh.mesh.positions.iter().all(|p| p.is_finite()));
+        }
+    }
+}

@@ -5,7 +5,7 @@ use super::ring::Ring;
 use super::store::{NONE, Origin, Store, Wedge};
 use crate::subdiv::INFINITELY_SHARP;
 use crate::subdiv::crease::Rule;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 use std::ops::Range;
 
@@ -39,6 +39,18 @@ impl Store {
         (old && t > 1).then_some([t as u32 - 1, parent])
     }
 
+    /// As [`Store::wedge`], of a corner whose vertex has had a wedge asked for.
+    pub fn known_wedge(&self, mut t: usize, mut corner: u32) -> u32 {
+        loop {
+            let tier = &self.tiers[t];
+            let known = tier.wedges[corner as usize];
+            if known != NONE || t == 0 {
+                return known;
+            }
+            (t, corner) = (t - 1, tier.faces[corner as usize / 4].parent);
+        }
+    }
+
     fn find_wedges(&mut self, t: usize, corner: u32) {
         let ring = self.ring(t, corner);
         let (mut deep, mut at) = (t, ring.clone());
@@ -64,7 +76,8 @@ impl Store {
             let part = || normal(&fan.part(sector), rule, sectors.len(), at.is_open());
             let normal = dart.map_or_else(part, |d| d.1);
             let wedge = self.wedges.len() as u32;
-            self.wedges.push(Wedge::new(vertex.point, normal.as_vec3()));
+            let (point, normal) = (vertex.point, normal.as_vec3());
+            self.wedges.push(Wedge { point, normal });
             for i in sector.clone() {
                 let corner = ring.corners[i % ring.corners.len()];
                 self.tiers[t].wedges[corner as usize] = wedge;
@@ -121,17 +134,6 @@ impl super::store::Vertex {
             self.sharpness
         } else {
             0.0
-        }
-    }
-}
-
-impl Wedge {
-    fn new(point: u32, normal: Vec3) -> Self {
-        Self {
-            point,
-            normal,
-            frame: 0,
-            drawn: NONE,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Args;
 use super::pictures::Studio;
+use crate::commands::bench::clock::{Cost, Watch};
 use crate::output::Staged;
 use anyhow::Result;
 use karui::geom::{Aabb, Camera, DVec3, sin_cos};
@@ -9,7 +10,6 @@ use karui::subdiv::adaptive::{Adaptive, AdaptiveMesh, AdaptiveOptions, View};
 use karui::subdiv::{ControlMesh, SubdivOptions};
 use serde::Serialize;
 use std::path::Path;
-use std::time::Instant;
 
 /// Degrees from one frame of the walk to the next.
 const STEP: f64 = 0.5;
@@ -23,10 +23,13 @@ pub struct Row {
     pub setting: String,
     pub faces: usize,
     pub flip: f64,
-    pub uniform: Uniform,
-    /// Seconds: of the first frame, and median and most of those after it.
+    /// As deep as silhouettes, and only as deep as makes the picture as alike.
+    pub deep: Uniform,
+    pub alike: Uniform,
+    /// Seconds: of the first frame; median, mean of the processor, and most of those after it.
     pub first: f64,
     pub median: f64,
+    pub cpu: f64,
     pub slowest: f64,
     /// Faces of all levels that are kept after that.
     pub kept: usize,
@@ -56,7 +59,7 @@ pub fn of_control(
     let studio = Studio::new(view(0.0).camera, args.size);
     let mut uniform = fresh(control)?;
     let mut at_depth = |depth| uniform.refine(&view(0.0), &AdaptiveOptions::uniform(depth));
-    let deepest = args.depths[1] + 2;
+    let deepest = args.depth_silhouette + 2;
     let truth = studio.picture(&at_depth(deepest)?)?;
     let mut uniforms = Vec::new();
     for depth in (0..deepest).step_by(2) {
@@ -72,13 +75,13 @@ pub fn of_control(
     for (setting, options) in args.settings() {
         let mut adaptive = fresh(control)?;
         let mut mesh = AdaptiveMesh::default();
-        let mut frame = |turn: f64, mesh: &mut AdaptiveMesh| -> Result<f64> {
+        let mut frame = |turn: f64, mesh: &mut AdaptiveMesh| -> Result<Cost> {
             let view = view(turn);
-            let started = Instant::now();
-            adaptive.refine_into(&view, &options, mesh)?;
-            Ok(started.elapsed().as_secs_f64())
+            let (done, cost) = Watch::Time.call(|| adaptive.refine_into(&view, &options, mesh));
+            done?;
+            Ok(cost)
         };
-        let first = frame(0.0, &mut mesh)?;
+        let first = frame(0.0, &mut mesh)?.wall;
         let flip = studio.difference(&studio.picture(&mesh)?, &truth)?;
         if let Some(staged) = staged {
             let name = format!("{model}-{}", setting.replace([' ', '/'], "-"));
@@ -86,24 +89,54 @@ pub fn of_control(
         }
         let faces = mesh.mesh.face_count();
         let turns = (1..=args.frames).map(|i| STEP * f64::from(i));
-        let mut times = turns
+        let costs = turns
             .map(|t| frame(t, &mut mesh))
-            .collect::<Result<Vec<f64>>>()?;
+            .collect::<Result<Vec<Cost>>>()?;
+        let mut times: Vec<f64> = costs.iter().map(|c| c.wall).collect();
         times.sort_by(f64::total_cmp);
+        let last = uniforms[uniforms.len() - 1];
+        let as_deep = uniforms.iter().find(|u| u.depth >= args.depth_silhouette);
         let alike = uniforms.iter().find(|u| u.flip <= flip);
         rows.push(Row {
             model: model.clone(),
             setting,
             faces,
             flip,
-            uniform: *alike.unwrap_or(&uniforms[uniforms.len() - 1]),
+            deep: *as_deep.unwrap_or(&last),
+            alike: *alike.unwrap_or(&last),
             first,
             median: times[times.len() / 2],
+            cpu: costs.iter().map(|c| c.cpu).sum::<f64>() / costs.len() as f64,
             slowest: times[times.len() - 1],
             kept: adaptive.kept(),
         });
     }
     Ok(rows)
+}
+
+/// Turns faces over if the cage is inside out, by its volume.
+pub fn turn_outwards(control: &mut ControlMesh) {
+    let cage = &mut control.cage;
+    let at = |v: u32| control.positions[v as usize].as_dvec3();
+    let middle = control
+        .positions
+        .iter()
+        .map(|p| p.as_dvec3())
+        .sum::<DVec3>();
+    let middle = middle / control.positions.len().max(1) as f64;
+    let mut volume = 0.0;
+    for w in cage.offsets.windows(2) {
+        let face = &cage.indices[w[0] as usize..w[1] as usize];
+        for pair in face[1..].windows(2) {
+            let [a, b, c] = [face[0], pair[0], pair[1]].map(|v| at(v) - middle);
+            volume += a.dot(b.cross(c));
+        }
+    }
+    if volume < 0.0 {
+        for w in cage.offsets.windows(2) {
+            cage.indices[w[0] as usize..w[1] as usize].reverse();
+        }
+    }
 }
 
 fn fresh(control: &ControlMesh) -> Result<Adaptive> {

@@ -26,10 +26,14 @@ pub struct Args {
     /// Width and height of the pictures
     #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = size)]
     size: (u32, u32),
-    /// Depths of front faces and silhouettes, as published
-    #[arg(long, value_name = "N,N", value_delimiter = ',', num_args = 2, default_values_t = [4, 8],
+    /// Depth of front faces, as published
+    #[arg(long, value_name = "N", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(0..=12))]
-    depths: Vec<u32>,
+    depth_front: u32,
+    /// Depth of silhouettes, as published
+    #[arg(long, value_name = "N", default_value_t = 8,
+          value_parser = clap::value_parser!(u32).range(0..=12))]
+    depth_silhouette: u32,
     /// Distances to the limit surface, pixels
     #[arg(long, value_name = "PX", value_delimiter = ',', default_values_t = [1.0, 0.25])]
     pixels: Vec<f64>,
@@ -65,11 +69,11 @@ impl Args {
     /// What is measured, by name.
     fn settings(&self) -> Vec<(String, AdaptiveOptions)> {
         let published = AdaptiveOptions {
-            depth_front: self.depths[0],
-            depth_silhouette: self.depths[1],
+            depth_front: self.depth_front,
+            depth_silhouette: self.depth_silhouette,
             ..AdaptiveOptions::default()
         };
-        let name = format!("depths {}/{}", self.depths[0], self.depths[1]);
+        let name = format!("depths {}/{}", self.depth_front, self.depth_silhouette);
         let within = |&px: &f64| (format!("{px} px"), AdaptiveOptions::within(px));
         let all = self.pixels.iter().map(within);
         [(name, published)].into_iter().chain(all).collect()
@@ -90,7 +94,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         if !console.quiet {
             to_stderr(&file.display().to_string());
         }
-        let control = karui_io::read_control(file)?.mesh;
+        let mut control = karui_io::read_control(file)?.mesh;
+        measured::turn_outwards(&mut control);
         let found = measured::of_control(file, &control, args, staged.as_ref());
         rows.extend(found.with_context(|| file.display().to_string())?);
     }
@@ -111,17 +116,28 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     ))
 }
 
+fn times(uniform: &measured::Uniform, faces: usize) -> String {
+    let times = uniform.faces as f64 / faces as f64;
+    format!(
+        "{}, depth {}: {times:.1} x",
+        count(uniform.faces),
+        uniform.depth
+    )
+}
+
 fn markdown(args: &Args, rows: &[Row]) -> String {
     let header = [
         "model",
         "to",
         "faces",
         "FLIP",
-        "uniform, faces",
+        "uniformly as deep",
         "its FLIP",
-        "times as many",
+        "as alike",
+        "its FLIP",
         "first frame, ms",
         "next, ms",
+        "CPU, ms",
         "slowest, ms",
         "kept",
     ];
@@ -131,11 +147,13 @@ fn markdown(args: &Args, rows: &[Row]) -> String {
             row.setting.clone(),
             count(row.faces),
             format!("{:.4}", row.flip),
-            format!("{} (depth {})", count(row.uniform.faces), row.uniform.depth),
-            format!("{:.4}", row.uniform.flip),
-            format!("{:.1}", row.uniform.faces as f64 / row.faces as f64),
+            times(&row.deep, row.faces),
+            format!("{:.4}", row.deep.flip),
+            times(&row.alike, row.faces),
+            format!("{:.4}", row.alike.flip),
             format!("{:.1}", row.first * 1e3),
             format!("{:.1}", row.median * 1e3),
+            format!("{:.1}", row.cpu * 1e3),
             format!("{:.1}", row.slowest * 1e3),
             count(row.kept),
         ]
@@ -147,12 +165,13 @@ fn markdown(args: &Args, rows: &[Row]) -> String {
          Written by `karui bench adaptive FILES -o FILE` (release build); pictures of {width} x \
          {height} pixels.\n\n\
          - FLIP: mean difference to a picture of uniform refinement to depth {}, 0 is none.\n\
-         - uniform: the least depth of uniform refinement whose picture differs no more, or the \
-         deepest that was tried.\n\
-         - first frame: from the cage, with nothing kept; next, slowest: median and most of the \
-         {} after it, half a degree apart around the model. kept: faces of all levels, after \
-         these.\n\n{}\n\n{}\n",
-        args.depths[1] + 2,
+         - uniformly as deep: all to the depth of silhouettes, and how many times as many faces; \
+         as alike: the same for the least depth whose picture differs no more, or the deepest.\n\
+         - first frame: from the cage, with nothing kept; next, CPU: median, and mean time of the \
+         processor, of the {} after it, half a degree apart around the model. kept: faces of all \
+         levels, after these.\n\
+         - Closed cages whose faces are wound the other way are turned over first.\n\n{}\n\n{}\n",
+        args.depth_silhouette + 2,
         args.frames,
         machine(),
         table(&header, &rows, true)
