@@ -1,6 +1,10 @@
 //! Cages from files, refined where they are looked at: no cracks, the same for any number of
 //! threads, as close to the surface as asked, and no jumps while the camera moves.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "it is a test, and tells what it measures"
+)]
 
 use karui::geom::{Aabb, Camera, DVec3, Light, Vec3, turntable_directions};
 use karui::spatial::Bvh;
