@@ -114,6 +114,10 @@ fn what_does_not_fit_together_is_refused() {
         "tiles land.ply --triangles 3 --memory-limit 20MiB -o out",
     );
     folder.write("empty.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
-    folder.fails(2, &format!("tiles empty.ply {TILES} out"));
+    let ran = folder.run(&format!("tiles empty.ply {TILES} out"));
+    assert!(
+        ran.code == Some(2) && ran.err.contains("error: "),
+        "{ran:?}"
+    );
     assert!(!folder.path("out").exists());
 }

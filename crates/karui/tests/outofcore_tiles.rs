@@ -2,7 +2,7 @@
 
 use karui::geom::Vec3;
 use karui::mesh::{diagnose, shapes};
-use karui::metrics::{Surface, SurfaceDistanceOptions, surface_distance_between};
+use karui::metrics::{Samples, Surface, SurfaceDistanceOptions, surface_distance_between};
 use karui::outofcore::{
     Error, Folder, Memory, Plan, PlanOptions, RunOptions, Scheme, Store, TileCut, TileTree, run,
     tile_mesh, tile_tree,
@@ -139,10 +139,13 @@ fn errors_grow_towards_the_root_and_cover_the_distance_to_the_input() {
                 assert!(tiled.tree.nodes[child].error <= node.error);
             }
             let own = Surface::new(&tiled.mesh(n)).expect("surface");
-            let options = SurfaceDistanceOptions::default();
+            let options = SurfaceDistanceOptions {
+                samples: Samples::Count(20_000),
+                ..SurfaceDistanceOptions::default()
+            };
             let found = surface_distance_between(&own, &input, &options).expect("distance");
             // Samples find a little less than there is.
-            let most = 1.02 * node.error + 1e-5;
+            let most = 1.05 * node.error + 1e-5;
             assert!(found.a_to_b.max <= most, "{n}: {found:?} {}", node.error);
             if n == 0 {
                 assert!(node.error > 0.0);
@@ -245,7 +248,7 @@ fn what_cannot_be_cut_is_one_tile_or_an_error() {
         ..TriMesh::default()
     };
     let same = TriMesh {
-        triangles: vec![[0, 1, 2]; 500],
+        triangles: vec![[0, 1, 2]; 40],
         ..one.clone()
     };
     for aligned in [false, true] {

@@ -1,6 +1,6 @@
 //! One cell: the meshes of its children together, simplified, and how far that is from them.
 
-use super::super::block::{Head, place};
+use super::super::block::{Head, Part, place};
 use super::super::manifest::{Phase, Row};
 use super::super::region::Asked;
 use super::super::weld::weld;
@@ -25,7 +25,7 @@ pub(in super::super) fn parent(
     row: &Row,
     progress: &dyn Progress,
 ) -> Result<Vec<u8>> {
-    let mut all = super::super::block::Part::default();
+    let mut all = Part::default();
     let mut error = 0.0f64;
     for (name, ..) in &row.inputs {
         let (part, own) = whole(store, name)?;
@@ -86,11 +86,14 @@ fn coarse(
     Ok((!coarse.triangles.is_empty()).then_some(coarse))
 }
 
+/// Samples of faces, and of edges, at least.
+const SAMPLES: u64 = 20_000;
+
 /// Two-sided distance at samples: every vertex, and one of faces and of edges for each
-/// triangle of the finer mesh.
+/// triangle of the finer mesh, or [`SAMPLES`].
 fn distance(fine: &TriMesh, coarse: &TriMesh, progress: &dyn Progress) -> Result<f64> {
     let options = SurfaceDistanceOptions {
-        samples: Samples::Count(fine.triangles.len() as u64),
+        samples: Samples::Count(SAMPLES.max(fine.triangles.len() as u64)),
         progress: &Asked(progress),
         ..SurfaceDistanceOptions::default()
     };
