@@ -154,7 +154,9 @@ fn content(store: &dyn Store, node: &TileNode, origin: DVec3) -> Result<Option<T
     scene.materials = vec![Material {
         metallic: 0.0,
         roughness: 1.0,
-        double_sided: true,
+        // One-sided: what of a held border is smaller than a pixel may turn its back in a
+        // client's whole numbers, and would be seen dark.
+        double_sided: false,
         ..Material::default()
     }];
     Ok(Some(TileContent {
