@@ -3,7 +3,7 @@
 use crate::choice::choice;
 use crate::errors::{FileError, InputError, Raise};
 use crate::progress::run;
-use crate::result::{PlySink, Summary};
+use crate::result::Summary;
 use karui::outofcore::{
     self as lib, Folder, Manifest, Next, PlanOptions, Result, RowResult, RunOptions, Scheme, Source,
 };
@@ -208,11 +208,11 @@ impl Plan {
             ));
         };
         let writer = run(py, None, |_| PlyWriter::create(&path))?;
-        let (summary, sink) = run(py, progress, |progress| {
-            let mut sink = PlySink(writer);
-            lib::write(&self.store, &last, &mut sink, progress).map(|summary| (summary, sink))
+        let (summary, writer) = run(py, progress, |progress| {
+            let mut writer = writer;
+            lib::write(&self.store, &last, &mut writer, progress).map(|summary| (summary, writer))
         })?;
-        run(py, None, |_| sink.0.finish())?;
+        run(py, None, |_| writer.finish())?;
         Ok(summary.into())
     }
 

@@ -1,8 +1,5 @@
 //! What came of a plan, written piece by piece.
 
-use karui::mesh::Attributes;
-use karui::outofcore::{Error, Result, Sink, Vertices};
-use karui_io::slices::PlyWriter;
 use pyo3::prelude::*;
 
 /// What `Plan.write` has written.
@@ -46,26 +43,5 @@ impl Summary {
             ..
         } = self;
         format!("<karui.Summary: {triangles} of {input} triangles, error {error:.3e}>")
-    }
-}
-
-/// A PLY file that takes a result.
-pub struct PlySink(pub PlyWriter);
-
-fn sunk<T>(written: karui_io::Result<T>) -> Result<T> {
-    written.map_err(|error| Error::Sink(Box::new(error)))
-}
-
-impl Sink for PlySink {
-    fn begin(&mut self, _: u64, _: u64, _: &Attributes) -> Result<()> {
-        Ok(())
-    }
-
-    fn vertices(&mut self, vertices: &Vertices) -> Result<()> {
-        sunk(self.0.write_vertices(vertices.clone()))
-    }
-
-    fn triangles(&mut self, triangles: &[[u64; 3]]) -> Result<()> {
-        sunk(self.0.write_triangles(triangles))
     }
 }

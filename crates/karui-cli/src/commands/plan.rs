@@ -1,12 +1,14 @@
 //! `karui plan`: work out of core that can be stopped, shared and looked at.
 
 use crate::console::Console;
+use crate::explain;
 use crate::failure::Failure;
 use crate::outofcore::{BlockArgs, TargetArgs, Work, finish, memory, told};
 use crate::table::{count, number, table};
 use anyhow::Result;
 use clap::Subcommand;
 use karui::outofcore::{self, Next, Store as _, Summary, manifests, next};
+use karui::simplify::Stopped;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -153,7 +155,11 @@ pub fn tell(summary: &Summary, output: &Path, console: &Console) -> Result<()> {
         "triangles": { "before": summary.input, "after": summary.triangles },
         "vertices": { "after": summary.vertices },
         "error": { "estimate": summary.error },
+        "stopped": summary.stopped.map(explain::key),
     }))?;
+    if let Some(reason) = summary.stopped {
+        console.summary(&format!("stopped    {}", why(summary, reason)))?;
+    }
     console.summary(&format!(
         "{}: {} -> {} triangles, {} vertices, error about {}; {}",
         output.display(),
@@ -163,6 +169,20 @@ pub fn tell(summary: &Summary, output: &Path, console: &Console) -> Result<()> {
         number(summary.error),
         crate::table::seconds(console.elapsed()),
     ))
+}
+
+/// Why there are more triangles than were asked for.
+fn why(summary: &Summary, stopped: Stopped) -> String {
+    let wanted = match summary.target {
+        0 => String::new(),
+        target => format!("before {} triangles: ", count(target as usize)),
+    };
+    let reason = explain::reason(stopped);
+    let advice = match stopped {
+        Stopped::Locked => "; larger blocks have shorter borders and go further",
+        _ => "",
+    };
+    format!("{wanted}{reason}{advice}")
 }
 
 fn show(folder: &Path, console: &Console) -> Result<()> {

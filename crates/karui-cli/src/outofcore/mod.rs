@@ -3,7 +3,6 @@
 mod arguments;
 mod failure;
 mod observer;
-mod sink;
 mod work;
 
 pub use arguments::{BlockArgs, CutArgs, TargetArgs, memory};

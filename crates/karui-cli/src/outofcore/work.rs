@@ -1,6 +1,5 @@
 //! A plan, its store and its model, opened together.
 
-use super::sink::PlySink;
 use super::{observer, told};
 use crate::console::Console;
 use crate::failure::Failure;
@@ -8,7 +7,7 @@ use anyhow::Result;
 use karui::outofcore::{
     self, Error, Folder, Manifest, Plan, PlanOptions, RunOptions, Source, Store, Summary,
 };
-use karui_io::Format;
+use karui_io::{Format, slices::PlyWriter};
 use std::path::Path;
 
 /// A plan, its store and its model.
@@ -71,7 +70,7 @@ impl Work {
     /// Writes the result.
     pub fn write(&self, last: &Manifest, output: &Path, console: &Console) -> Result<Summary> {
         let observer = observer(console.quiet);
-        let mut sink = PlySink::create(output)?;
+        let mut sink = PlyWriter::create(output)?;
         let summary = outofcore::write(&self.store, last, &mut sink, &*observer);
         let summary = summary.map_err(|error| self.stopped(error))?;
         sink.finish()?;

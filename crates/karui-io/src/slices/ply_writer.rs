@@ -7,7 +7,11 @@ use crate::{
     error::{Error, ErrorKind, Place, Result},
     ply::write::{Column, Row, Types, index_type, vertex_columns},
 };
-use karui::{TriMesh, mesh::Attributes, outofcore::Vertices};
+use karui::{
+    TriMesh,
+    mesh::Attributes,
+    outofcore::{self, Sink, Vertices},
+};
 use std::{
     io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
@@ -200,6 +204,25 @@ impl PlyWriter {
     fn error(&self, kind: ErrorKind) -> Error {
         Error::new(Place::File, kind).in_file(&self.target)
     }
+}
+
+impl Sink for PlyWriter {
+    fn begin(&mut self, _: u64, _: u64, _: &Attributes) -> outofcore::Result<()> {
+        // Counts come into the header in the end, attributes with the first vertices.
+        Ok(())
+    }
+
+    fn vertices(&mut self, vertices: &Vertices) -> outofcore::Result<()> {
+        self.write_vertices(vertices.clone()).map_err(sunk)
+    }
+
+    fn triangles(&mut self, triangles: &[[u64; 3]]) -> outofcore::Result<()> {
+        self.write_triangles(triangles).map_err(sunk)
+    }
+}
+
+fn sunk(error: Error) -> outofcore::Error {
+    outofcore::Error::Sink(Box::new(error))
 }
 
 /// Types that do not depend on values, as those to come are not known.

@@ -3,7 +3,8 @@
 //! - `KARUIBLK`, the version and 0 (`u32` each), bytes of the head and their checksum
 //!   (`u64` each);
 //! - the head: level (`u32`); number, triangles, vertices (`u64` each); error, price
-//!   (`f64` each); then, each list after its length (`u32`): attributes (name, components,
+//!   (`f64` each); why simplification stopped (`u32`: 0 if it was not simplified); then,
+//!   each list after its length (`u32`): attributes (name, components,
 //!   type), pages, samples and rim buckets, as [`Page`], [`Sample`] and [`Bucket`] have them;
 //! - the pages: triangles of consecutive keys with the vertices they need. Vertices,
 //!   triangles (`u32` each), positions (three `f32` each), for each vertex whether it is on
@@ -18,6 +19,7 @@ use super::bytes::{Reader, kind, put_kind, put_triples, read_values};
 use super::checksum::checksum;
 use super::{Error, Result, Store};
 use crate::mesh::Attribute;
+use crate::simplify::Stopped;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -46,6 +48,8 @@ pub(super) struct Head {
     pub error: f64,
     /// What the dearest collapse cost: the error of this level alone, model units.
     pub price: f64,
+    /// Why simplification stopped, if there was one.
+    pub stopped: Option<Stopped>,
     /// Columns without values.
     pub layout: Vec<Attribute>,
     pub pages: Vec<Page>,
@@ -123,6 +127,30 @@ pub(super) fn block_bytes(head: &Head, pages: &[Vec<u8>], buckets: &[Vec<u8>]) -
     bytes
 }
 
+/// Reasons to stop by their number in a block, from 1.
+const STOPS: [Stopped; 7] = [
+    Stopped::Target,
+    Stopped::ErrorBound,
+    Stopped::Exhausted,
+    Stopped::Locked,
+    Stopped::Topology,
+    Stopped::Seams,
+    Stopped::Flips,
+];
+
+fn stop_code(stopped: Option<Stopped>) -> u32 {
+    let number = |s| STOPS.iter().position(|&other| other == s);
+    stopped.and_then(number).map_or(0, |at| at as u32 + 1)
+}
+
+/// `None` for a number that means nothing.
+fn stop_of_code(code: u32) -> Option<Option<Stopped>> {
+    match code.checked_sub(1) {
+        None => Some(None),
+        Some(at) => STOPS.get(at as usize).copied().map(Some),
+    }
+}
+
 impl Head {
     fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -133,6 +161,7 @@ impl Head {
         for number in [self.error, self.price] {
             bytes.extend(number.to_le_bytes());
         }
+        bytes.extend(stop_code(self.stopped).to_le_bytes());
         let length = |bytes: &mut Vec<u8>, n: usize| bytes.extend((n as u32).to_le_bytes());
         length(&mut bytes, self.layout.len());
         self.layout.iter().for_each(|c| put_kind(&mut bytes, c));
@@ -168,6 +197,7 @@ impl Head {
             vertices: r.u64()?,
             error: r.f64()?,
             price: r.f64()?,
+            stopped: stop_of_code(r.u32()?)?,
             ..Self::default()
         };
         let count = r.u32()? as usize;

@@ -62,6 +62,7 @@ pub(super) fn region(
         number: row.id,
         error: error + simplified.error,
         price: simplified.error,
+        stopped: Some(simplified.stopped),
         ..Head::default()
     };
     let coarse = simplified.mesh;

@@ -3,6 +3,7 @@
 use super::{Error, Result};
 use std::{
     fs::{self, File},
+    hash::{BuildHasher as _, RandomState},
     io::{self, Read as _, Seek as _, SeekFrom, Write as _},
     ops::Range,
     path::{Path, PathBuf},
@@ -55,6 +56,9 @@ pub trait Store: Sync {
 #[derive(Debug)]
 pub struct Folder {
     root: PathBuf,
+    /// Tells this writer from all others: on a folder that machines share, numbers of
+    /// processes are not enough.
+    writer: u64,
     written: AtomicU64,
 }
 
@@ -77,6 +81,7 @@ impl Folder {
     pub fn open(root: &Path) -> Self {
         Self {
             root: root.to_owned(),
+            writer: RandomState::new().hash_one(std::process::id()),
             written: AtomicU64::new(0),
         }
     }
@@ -148,8 +153,9 @@ impl Store for Folder {
 
     fn put(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let number = self.written.fetch_add(1, Ordering::Relaxed);
-        let process = std::process::id();
-        let aside = self.root.join(format!("{ASIDE}{process}-{number}-{name}"));
+        let writer = self.writer;
+        let aside = format!("{ASIDE}{writer:016x}-{number}-{name}");
+        let aside = self.root.join(aside);
         let write = || {
             File::create(&aside)?.write_all(bytes)?;
             fs::rename(&aside, self.root.join(name))

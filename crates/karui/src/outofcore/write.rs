@@ -1,12 +1,13 @@
 //! The result, streamed out of its blocks with the vertices that they share made one.
 
-use super::block::{Block, Part, Place, place};
+use super::block::{Block, Head, Part, Place, place};
 use super::columns::attributes;
 use super::drive::before_writing;
 use super::weld::{hash, weld};
 use super::{Manifest, Plan, Result, Store, Vertices};
 use crate::mesh::{Attribute, Attributes};
 use crate::progress::{Progress, step};
+use crate::simplify::Stopped;
 
 /// Takes a mesh in pieces: [`begin`](Sink::begin), all vertices, then all triangles.
 pub trait Sink {
@@ -41,6 +42,11 @@ pub struct Summary {
     /// How far the result may be from the input as the simplifier estimates it, summed over
     /// all levels, model units.
     pub error: f64,
+    /// Triangles that were wanted; 0 if only the error counted.
+    pub target: u64,
+    /// Why there are more: what stopped the regions that have most beyond their share.
+    /// `None` if there are as many as were wanted, or fewer.
+    pub stopped: Option<Stopped>,
 }
 
 /// A vertex that several blocks may have: place and attributes.
@@ -65,20 +71,25 @@ pub fn write(
     };
     let mut summary = Summary {
         input: manifest.phase.whole,
+        target: manifest.phase.target,
         ..Summary::default()
     };
     let mut layout = Attributes::default();
-    let mut shared = Vec::new();
+    let (mut shared, mut stops) = (Vec::new(), Vec::new());
     for (done, row) in manifest.rows.iter().enumerate() {
         report(done)?;
-        let (part, error) = whole(store, &row.output)?;
-        summary.triangles += part.triangles.len() as u64;
-        summary.error = summary.error.max(error);
+        let (part, head) = whole(store, &row.output)?;
+        summary.triangles += head.triangles;
+        summary.error = summary.error.max(head.error);
+        let beyond = head.triangles.saturating_sub(row.target);
+        stops.extend(head.stopped.map(|stopped| (stopped, beyond)));
         let rims = (0..part.positions.len()).filter_map(|v| rim(&part, v));
         shared.extend(rims.map(|shared| (shared, done as u32)));
         summary.vertices += part.rim.iter().filter(|&&rim| !rim).count() as u64;
         layout = attributes(part.columns.iter().map(Attribute::empty_like).collect());
     }
+    let is_short = summary.triangles > summary.target;
+    summary.stopped = is_short.then(|| most_short(&stops)).flatten();
     let mut numbers = Numbers::of(shared);
     summary.vertices += numbers.owned.len() as u64;
     sink.begin(summary.vertices, summary.triangles, &layout)?;
@@ -104,14 +115,24 @@ pub fn write(
     Ok(summary)
 }
 
-/// A block with every vertex once, and its error.
-pub(super) fn whole(store: &dyn Store, name: &str) -> Result<(Part, f64)> {
+/// The reason with most triangles beyond the shares of its regions; of equals the first.
+fn most_short(stops: &[(Stopped, u64)]) -> Option<Stopped> {
+    let beyond = |reason| {
+        let same = stops.iter().filter(|s| s.0 == reason);
+        same.map(|s| s.1).sum::<u64>()
+    };
+    let short = stops.iter().filter(|s| s.1 > 0).rev();
+    short.max_by_key(|s| beyond(s.0)).map(|s| s.0)
+}
+
+/// A block with every vertex once, and its head.
+pub(super) fn whole(store: &dyn Store, name: &str) -> Result<(Part, Head)> {
     let block = Block::open(store, name)?;
     let mut all = Part::default();
     for part in block.pages(0..block.head.pages.len())? {
         all.append(part);
     }
-    Ok((weld(all), block.head.error))
+    Ok((weld(all), block.head))
 }
 
 /// What a vertex is to other blocks, if it may be something to them.

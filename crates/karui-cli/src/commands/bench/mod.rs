@@ -6,6 +6,7 @@ mod clock;
 mod hlod;
 mod models;
 mod one;
+mod outofcore;
 pub(super) mod page;
 mod saliency;
 mod simplify;
@@ -34,10 +35,14 @@ enum What {
     Hlod(hlod::Args),
     Subdivide(subdivide::Args),
     Adaptive(adaptive::Args),
+    #[command(name = "outofcore")]
+    OutOfCore(outofcore::Args),
     One(one::Args),
     Solo(simplify::solo::Args),
     Judge(simplify::judge::Args),
     HlodSolo(hlod::solo::Args),
+    #[command(name = "outofcore-solo")]
+    OutOfCoreSolo(outofcore::solo::Args),
 }
 
 /// Runs the benchmark.
@@ -51,9 +56,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         What::Hlod(args) => hlod::run(args, console),
         What::Subdivide(args) => subdivide::run(args, console),
         What::Adaptive(args) => adaptive::run(args, console),
+        What::OutOfCore(args) => outofcore::run(args, console),
         What::One(args) => one::run(args, console),
         What::Solo(args) => simplify::solo::run(args, console),
         What::Judge(args) => simplify::judge::run(args, console),
         What::HlodSolo(args) => hlod::solo::run(args, console),
+        What::OutOfCoreSolo(args) => outofcore::solo::run(args, console),
     }
 }

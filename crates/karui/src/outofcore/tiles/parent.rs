@@ -28,7 +28,7 @@ pub(in super::super) fn parent(
     let mut all = Part::default();
     let mut error = 0.0f64;
     for (name, ..) in &row.inputs {
-        let (part, own) = whole(store, name)?;
+        let (part, Head { error: own, .. }) = whole(store, name)?;
         error = error.max(own);
         all.append(part);
     }

@@ -5,10 +5,10 @@
 use super::level::Level;
 use super::mend::normal;
 use crate::error::Result;
-use crate::geom::normal_times_two_areas;
+use crate::geom::{closest_point, normal_times_two_areas};
 use crate::mesh::TriMesh;
-use crate::spatial::Bvh;
-use glam::{UVec3, Vec3};
+use crate::spatial::{Bvh, Facings, Normals};
+use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 /// Cosine to the input's normals below which a triangle is suspect, as the
@@ -33,7 +33,7 @@ pub(crate) fn suspects_against(level: &Level, mesh: &TriMesh, scale: f32) -> Res
     let open = suspects(level).into_iter().map(|t| Suspect {
         triangle: t,
         corners: corners(t),
-        source: mesh.corners(level.source_of(t) as usize)[0].as_vec3(),
+        source: mesh.corners(level.source_of(t) as usize),
     });
     let mut open: Vec<Suspect> = open.collect();
     let mut against = Vec::new();
@@ -46,7 +46,11 @@ pub(crate) fn suspects_against(level: &Level, mesh: &TriMesh, scale: f32) -> Res
             continue;
         }
         let near = Bvh::build_quick(&near)?;
+        let facings = Facings::of(&near);
         open.retain(|suspect| {
+            if suspect.clearly_agrees(&near, &facings, reach(suspect)) {
+                return false;
+            }
             let (opposed, distance) = suspect.stands_to(&near);
             let known = distance <= f64::from(reach(suspect));
             against.extend((known && opposed).then_some(suspect.triangle));
@@ -61,8 +65,8 @@ pub(crate) fn suspects_against(level: &Level, mesh: &TriMesh, scale: f32) -> Res
 struct Suspect {
     triangle: u32,
     corners: [Vec3; 3],
-    /// A point of the input that is not far away.
-    source: Vec3,
+    /// A triangle of the input that is not far away.
+    source: [DVec3; 3],
 }
 
 impl Suspect {
@@ -80,7 +84,20 @@ impl Suspect {
 
     /// How far away it is at most.
     fn far(&self) -> f32 {
-        self.center().distance(self.source) * (1.0 + 1e-5)
+        self.center().distance(self.source[0].as_vec3()) * (1.0 + 1e-5)
+    }
+
+    /// Whether the input is known to be within `reach` and faces as the suspect does all
+    /// around, so that the nearest does, too. Where very many triangles meet in a point, that
+    /// is told sooner than which of them is nearest.
+    fn clearly_agrees(&self, index: &Bvh, facings: &Facings, reach: f32) -> bool {
+        let center = self.center().as_dvec3();
+        let distance = center.distance(closest_point(center, self.source)) as f32;
+        let [a, b, c] = self.corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        distance <= reach
+            && normal != Vec3::ZERO
+            && facings.agree(index, self.center(), distance, Normals::NONE.with(normal))
     }
 
     /// Whether it opposes the triangle nearest to its centre, and how far away
@@ -246,7 +263,7 @@ mod tests {
             let suspect = Suspect {
                 triangle: t,
                 corners,
-                source: Vec3::ZERO,
+                source: [DVec3::ZERO; 3],
             };
             suspect.stands_to(&index).0
         });
