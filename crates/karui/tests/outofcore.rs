@@ -7,7 +7,7 @@ use karui::outofcore::{
     Error, Folder, Manifest, Memory, Next, PLAN, Plan, PlanOptions, Result, RunOptions, Scheme,
     Sink, Source, Store, Summary, Vertices, manifests, next, run, run_task, verify, write,
 };
-use karui::simplify::Quality;
+use karui::simplify::{Quality, Stopped};
 use karui::{Progress, Silent, SimplifyOptions, Stop, TriMesh, simplify};
 use proptest::prelude::*;
 use std::ops::Range;
@@ -492,10 +492,38 @@ fn many_edges_at_a_vertex_and_triangles_across_the_whole_model() {
     let positions = (0..=5000).flat_map(strip).map(Into::into).collect();
     let pair = |i: u32| [[2 * i, 2 * i + 1, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 2]];
     let slivers = TriMesh::new(positions, (0..5000).flat_map(pair).collect());
-    let mesh = simplified(&slivers, by_ratio(0.2, 500), 2);
+    let (mesh, summary) = tried(&slivers, by_ratio(0.2, 500), 2).expect("simplified");
     let found = report(&mesh);
     println!("slivers: {found:?}");
     assert_eq!((found.boundary_loops, found.components), (1, 1));
+    // All lies on borders, which is told.
+    assert!(summary.triangles > summary.target, "{summary:?}");
+    assert_eq!(summary.stopped, Some(Stopped::Locked));
+}
+
+#[test]
+fn a_count_that_is_met_needs_no_reason() {
+    let land = shapes::landscape(100, 100, 4);
+    let (mesh, summary) = tried(&land, by_ratio(0.2, 3000), 2).expect("simplified");
+    assert!(mesh.triangles.len() as u64 <= summary.target);
+    assert_eq!((summary.target, summary.stopped), (4000, None));
+}
+
+#[test]
+fn writers_of_one_folder_do_not_meet() {
+    let folder = tempdir().expect("folder");
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            // As if each were on another machine, with the same process number.
+            let store = Folder::create(folder.path()).expect("store");
+            scope.spawn(move || {
+                for _ in 0..500 {
+                    store.put("a", &[7; 4096]).expect("put");
+                    assert_eq!(store.get("a").expect("bytes"), [7; 4096]);
+                }
+            });
+        }
+    });
 }
 
 #[test]
