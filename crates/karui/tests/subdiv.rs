@@ -1,11 +1,12 @@
 //! Subdivision beside its definitions.
 #![allow(clippy::unwrap_used, reason = "it is a test")]
 
-use karui::Error;
 use karui::subdiv::sqrt2::Odd;
 use karui::subdiv::{
-    Boundary, Cage, Corner, Crease, Faces, Level, Refinement, Scheme, SubdivOptions,
+    Boundary, Cage, ControlMesh, Corner, Crease, Faces, Level, Refinement, Scheme, SubdivOptions,
+    SurfaceOptions, subdivide,
 };
+use karui::{Error, Silent};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -292,6 +293,34 @@ fn sqrt2_keeps_creases_and_corners() {
 }
 
 #[test]
+fn quads_across_creases_are_cut_along_them() {
+    let (positions, faces) = cube();
+    let mut control = ControlMesh {
+        cage: cage(&faces, 8),
+        positions: positions.into_iter().map(glam::Vec3::from).collect(),
+        ..ControlMesh::default()
+    };
+    control.cage.creases = [[2, 3], [3, 7], [7, 6], [6, 2]]
+        .map(|vertices| Crease {
+            vertices,
+            sharpness: 10.0,
+        })
+        .to_vec();
+    let options = options(Scheme::Sqrt2, 3);
+    let made = subdivide(&control, &options, SurfaceOptions::default(), &Silent).unwrap();
+    let folded = made.mesh.face_count() - made.faces;
+    assert_eq!((made.faces, folded), (48, 8), "both halves of four edges");
+    // The top ends in a curve: no triangle has vertices both on it and off it.
+    let mesh = made.mesh.triangulate();
+    let height = |v: u32| mesh.positions[v as usize].y;
+    let flat = mesh
+        .triangles
+        .iter()
+        .filter(|t| t.iter().all(|&v| height(v) >= 1.0 - 1e-6));
+    assert_eq!((mesh.triangles.len(), flat.count()), (96, 16));
+}
+
+#[test]
 fn an_odd_step_leaves_a_quad_an_edge() {
     let mesh = sheet(4);
     let level = Level::of_cage(&cage(&mesh.1, mesh.0.len()), &SubdivOptions::default()).unwrap();
@@ -524,6 +553,20 @@ fn boundary_vertices_of_four_quads_have_no_tangent_plane() {
     }
     // So with four quads the second wave is as large as the boundary for ever, with five
     // larger, and no normal is right; with three one is, but OpenSubdiv's mask misses it.
+}
+
+#[test]
+fn normals_where_three_sheets_meet_are_of_one() {
+    let sheet = |x: f32, y: f32| [[x, y, 0.0], [x, y, 1.0]];
+    let mut positions = vec![[0.0; 3], [0.0, 0.0, 1.0]];
+    positions.extend([sheet(1.0, 0.0), sheet(-1.0, 1.0), sheet(-1.0, -1.0)].as_flattened());
+    let faces = [vec![0, 2, 3, 1], vec![0, 4, 5, 1], vec![0, 6, 7, 1]];
+    let fine = Refinement::new(&cage(&faces, 8), &options(Scheme::CatmullClark, 2)).unwrap();
+    let limits = fine.limits(&positions).unwrap();
+    for (p, &one_sided) in limits.positions.iter().zip(&limits.one_sided) {
+        let shared = p.x.abs() + p.y.abs() < 1e-6;
+        assert_eq!(one_sided, shared, "{p}");
+    }
 }
 
 #[test]

@@ -32,7 +32,8 @@ pub struct Limits {
     /// tells, e.g. where two sheets lie on one another.
     pub normals: Vec<Vec3>,
     /// Whether a normal is that of one side only: on a crease or at a corner inside the
-    /// surface there are several, and the faces that come first around the vertex decide.
+    /// surface, and where more than two faces meet, there are several, and the faces that
+    /// come first around the vertex decide.
     pub one_sided: Vec<bool>,
 }
 
@@ -67,7 +68,8 @@ impl Level {
     fn is_one_sided(&self, kind: Kind, v: u32) -> bool {
         let edges = self.vertex_edges(v).len();
         let inside = edges == self.vertex_corners(v).len();
-        inside && (kind.linear || edges < 3 || self.rule(v) != Rule::Smooth)
+        self.odd_vertices[v as usize]
+            || inside && (kind.linear || edges < 3 || self.rule(v) != Rule::Smooth)
     }
 
     /// The limits of `v`, and how far off rounded values may make a tangent.

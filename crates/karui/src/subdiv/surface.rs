@@ -23,7 +23,7 @@ pub struct SurfaceOptions {
 pub struct Subdivided {
     /// The mesh, its vertices split at seams of texture coordinates.
     pub mesh: PolyMesh,
-    /// Faces before holes were left out.
+    /// Faces before holes were left out and quads across creases cut.
     pub faces: usize,
 }
 
