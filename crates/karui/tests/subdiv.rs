@@ -310,7 +310,7 @@ fn quads_across_creases_are_cut_along_them() {
     let made = subdivide(&control, &options, SurfaceOptions::default(), &Silent).unwrap();
     let folded = made.mesh.face_count() - made.faces;
     assert_eq!((made.faces, folded), (48, 8), "both halves of four edges");
-    // The top ends in a curve: no triangle has vertices both on it and off it.
+    // The top is whole: nothing is cut off at its rim, and nothing hangs over.
     let mesh = made.mesh.triangulate();
     let height = |v: u32| mesh.positions[v as usize].y;
     let flat = mesh
