@@ -1,4 +1,4 @@
-//! Blocks: parts of a model in the store. Version 1, little-endian:
+//! Blocks: parts of a model in the store. Version 2, little-endian:
 //!
 //! - `KARUIBLK`, the version and 0 (`u32` each), bytes of the head and their checksum
 //!   (`u64` each);
@@ -24,7 +24,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 const MAGIC: [u8; 8] = *b"KARUIBLK";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes before the head.
 const PREFIX: u64 = 32;
 
