@@ -46,7 +46,7 @@ fuzz_target!(|data: &[u8]| {
         return;
     };
     let (head, pages) = body.split_at(body.len() * usize::from(share) / 255);
-    let mut block = b"KARUIBLK\x01\0\0\0\0\0\0\0".to_vec();
+    let mut block = b"KARUIBLK\x02\0\0\0\0\0\0\0".to_vec();
     block.extend((head.len() as u64).to_le_bytes());
     block.extend(checksum(head).to_le_bytes());
     block.extend(head);
