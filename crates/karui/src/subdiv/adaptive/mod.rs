@@ -8,7 +8,7 @@
 //! one of two faces knows of.
 //!
 //! Every vertex is where uniform Catmull-Clark refinement has it, or that goes to in the
-//! limit, whatever is around it in the mesh drawn: that is read from a hierarchy ([`store`])
+//! limit, whatever is around it in the mesh drawn: that is read from a hierarchy (`store`)
 //! which grows where something is needed, with as much around it as the masks take in, and
 //! is kept from frame to frame. What is drawn depends on the view alone.
 
