@@ -22,6 +22,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// The mesh read whole.
+fn whole(path: &Path) -> TriMesh {
+    karui_io::read(path).unwrap().into_single_mesh().unwrap()
+}
+
 /// All vertices, read in pieces of a size that nothing divides by.
 fn vertices(source: &dyn Source, step: u64) -> Result<Vec<Vertices>, String> {
     let count = source.vertices();

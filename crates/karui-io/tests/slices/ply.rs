@@ -1,14 +1,10 @@
 //! PLY in slices.
 
-use crate::{assert_same, common, outcome, unpacked};
+use crate::{assert_same, common, outcome, unpacked, whole};
 use karui::TriMesh;
 use karui_io::{Format, PlyEncoding, WriteOptions, read_bytes, slices};
 use proptest::{collection::vec, prelude::*};
-use std::{fs, path::Path};
-
-fn whole(path: &Path) -> TriMesh {
-    karui_io::read(path).unwrap().into_single_mesh().unwrap()
-}
+use std::fs;
 
 #[test]
 fn real_models() {

@@ -1,13 +1,9 @@
 //! Binary STL in slices.
 
-use crate::{common, corners, corners_of, damaged_everywhere, outcome, unpacked};
-use karui::{TriMesh, mesh::shapes};
+use crate::{common, corners, corners_of, damaged_everywhere, outcome, unpacked, whole};
+use karui::mesh::shapes;
 use karui_io::slices;
 use std::{fs, path::Path};
-
-fn whole(path: &Path) -> TriMesh {
-    karui_io::read(path).unwrap().into_single_mesh().unwrap()
-}
 
 #[test]
 fn real_models() {

@@ -1,6 +1,6 @@
 //! The faces after the last step.
 
-use super::Patches;
+use super::{Patches, sides};
 use rayon::prelude::*;
 
 impl Patches {
@@ -45,14 +45,7 @@ impl Patches {
 
     fn number_rim(&self, face: usize, grid: &mut [u32]) {
         let n = self.side();
-        let width = n + 1;
-        let sides = [
-            (0, 1),
-            (n, width as isize),
-            (n * width + n, -1),
-            (n * width, -(width as isize)),
-        ];
-        for (i, (start, stride)) in sides.into_iter().enumerate() {
+        for (i, (start, stride)) in sides(n).into_iter().enumerate() {
             let c = 4 * face + i;
             let (v, e) = (self.start.corners[c], self.start.corner_edges[c]);
             let forward = self.start.edge(e)[0] == v;

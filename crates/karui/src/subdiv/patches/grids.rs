@@ -1,8 +1,8 @@
 //! The points inside every patch.
 
-use super::Patches;
 use super::curves::offset;
 use super::rings::Rings;
+use super::{Patches, sides};
 use rayon::prelude::*;
 
 /// Patches a thread takes at a time.
@@ -104,14 +104,7 @@ impl Patches {
     ) {
         let n = 1usize << step;
         let width = n + 1;
-        // Where each side starts and how it goes on, counter-clockwise.
-        let sides = [
-            (0, 1),
-            (n, width as isize),
-            (n * width + n, -1),
-            (n * width, -(width as isize)),
-        ];
-        for (i, (start, stride)) in sides.into_iter().enumerate() {
+        for (i, (start, stride)) in sides(n).into_iter().enumerate() {
             let c = 4 * face + i;
             let e = self.start.corner_edges[c];
             let curve = &curves[e as usize * self.curve_size() + offset(step)..][..width];

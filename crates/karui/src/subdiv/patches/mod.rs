@@ -18,6 +18,13 @@ use super::level::Level;
 use super::options::CreaseMethod;
 use layout::Layout;
 
+/// Where each side of a grid of `n` by `n` cells starts and how it goes on,
+/// counter-clockwise.
+fn sides(n: usize) -> [(usize, isize); 4] {
+    let width = n as isize + 1;
+    [(0, 1), (n, width), (n * (n + 2), -1), (n * (n + 1), -width)]
+}
+
 /// A level of quads that is divided several times at once.
 #[derive(Debug, Clone)]
 pub(super) struct Patches {
