@@ -40,14 +40,17 @@ fn plain_flip(a: &TriMesh, b: &TriMesh, distance: f64, options: &SeenOptions<'_>
     let pixel = 2.0 * (0.5 * options.screen.fov_y).tan() / height;
     let seen = 2.0 * (radius / distance).asin().tan() / pixel;
     let side = (seen.ceil() as u32).clamp(16, height as u32);
+    let half = (0.5 * options.screen.fov_y).tan() * f64::from(side) / height;
     let mut total = 0.0;
     for direction in fibonacci_directions(options.views) {
+        // To the last bit the same eye: at a silhouette one sample tells.
+        let towards = direction.as_dvec3().normalize();
         let camera = Camera {
-            eye: (bounds.center().as_dvec3() + direction.as_dvec3() * distance).as_vec3(),
+            eye: (bounds.center().as_dvec3() + towards * distance).as_vec3(),
             target: bounds.center(),
             up: Vec3::Y,
             projection: Projection::Perspective {
-                fov_y: (2.0 * (0.5 * pixel * f64::from(side)).atan()) as f32,
+                fov_y: (2.0 * half.atan()) as f32,
             },
             near: None,
             far: None,
