@@ -72,10 +72,13 @@ impl Walk {
         }
     }
 
+    /// Level by level, as the tree lies in memory.
     fn all(&mut self, sight: &Sight<'_>, view: &View) -> Result<()> {
         self.open.clear();
         self.open.push((sight.roots(), sight.eye.all_planes()));
-        while let Some((slots, open)) = self.open.pop() {
+        let mut next = 0;
+        while let Some((slots, open)) = self.open.get(next).cloned() {
+            next += 1;
             for slot in &sight.tree.slots[slots] {
                 self.list.counts.visited += 1;
                 let Some(crossed) = sight.eye.crossed(&slot.bounds, open) else {
@@ -133,12 +136,14 @@ impl Sight<'_> {
     /// count and is more; infinite inside the box.
     #[inline]
     fn omega(&self, group: &Slot, distance: f64) -> f64 {
-        if distance > 0.0 {
-            let by_members = f64::from(group.omega) * self.distance;
-            by_members.max(self.size * group.bounds.diagonal()) / distance
-        } else {
-            f64::INFINITY
+        if distance <= 0.0 {
+            return f64::INFINITY;
         }
+        let mut omega = f64::from(group.omega) * self.distance;
+        if self.size > 0.0 {
+            omega = omega.max(self.size * group.bounds.diagonal());
+        }
+        omega / distance
     }
 
     #[inline]
