@@ -18,7 +18,7 @@ pub struct PlanOptions {
     /// units. Default: none.
     pub error: Option<f64>,
     /// Triangles that a task works on at a time, about. Default: 1,048,576, which takes some
-    /// 400 MB.
+    /// 500 MB.
     pub block_triangles: u64,
     /// How regions are cut. Default: [`Scheme::Cells`].
     pub scheme: Scheme,
@@ -42,7 +42,7 @@ impl Default for PlanOptions {
 }
 
 /// Bytes a task takes for each triangle of a block at most, attributes aside.
-const WORKING_SET: u64 = 400;
+const WORKING_SET: u64 = 560;
 /// Blocks that should fit the memory at the same time.
 const AT_ONCE: u64 = 2;
 

@@ -1,5 +1,6 @@
 //! Groups by perception against groups by place, at equal numbers of triangles.
 
+use super::coarser::Curve;
 use super::crowd::Crowd;
 use super::nestings::{clusters, nested, octants};
 use super::stage::{Stage, StandIns, camera, original};
@@ -25,7 +26,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Width and height of the pictures.
-const SIZE: [u32; 2] = [640, 360];
+pub const SIZE: [u32; 2] = [640, 360];
 /// Triangles allowed, as shares of those that are drawn without groups.
 const SHARES: [f64; 2] = [0.5, 0.2];
 
@@ -56,6 +57,8 @@ struct Mean {
     flip: f64,
     triangles: f64,
     items: f64,
+    /// Triangles with which levels alone look as well.
+    levels_alone: f64,
     /// Views in which the limit could not be kept.
     beyond: usize,
 }
@@ -68,9 +71,9 @@ struct Subject {
 }
 
 /// A view, how it should look, and what is drawn of it without groups.
-struct Shot {
-    camera: Camera,
-    original: Picture,
+pub struct Shot {
+    pub camera: Camera,
+    pub original: Picture,
     triangles: u64,
 }
 
@@ -185,7 +188,9 @@ fn compare(
             triangles: list.counts.triangles,
         });
     }
+    alone.levels_alone = alone.triangles;
     rows.push(Row::new(subject, ["-", "none"], vec![alone]));
+    let curve = Curve::of(&mut stage, &shots)?;
     let mut tiles = Vec::new();
     for (kind, kind_name) in [(StandIns::Boxes, "boxes"), (StandIns::Cards, "cards")] {
         for grouping in &groupings {
@@ -195,7 +200,8 @@ fn compare(
             let mut stage = Stage::new(crowd, &grouping.tree, &look, kind);
             let mut means = Vec::new();
             for share in SHARES {
-                let (mean, middle) = along(&mut stage, &shots, share)?;
+                let (mut mean, middle) = along(&mut stage, &shots, share)?;
+                mean.levels_alone = curve.triangles_at(mean.flip);
                 means.push(mean);
                 if share == SHARES[0] {
                     tiles.push((middle, format!("{kind_name}, {}", grouping.name)));
@@ -247,7 +253,8 @@ fn write(
     staged.bytes(&name, &karui_io::encode_png(&sheet)?)
 }
 
-fn view(camera: Camera, triangles: Option<u64>) -> View {
+/// Groups are taken apart as far as there are triangles.
+pub fn view(camera: Camera, triangles: Option<u64>) -> View {
     View {
         threshold: 0.0,
         triangles,
@@ -345,6 +352,7 @@ fn markdown(rows: &[Row], missing: &[&str], plan: &Plan<'_>) -> String {
         header.extend([
             format!("FLIP at {share}"),
             "triangles".into(),
+            "levels alone".into(),
             "items".into(),
         ]);
         header.push("beyond".into());
@@ -358,7 +366,8 @@ fn markdown(rows: &[Row], missing: &[&str], plan: &Plan<'_>) -> String {
         ];
         for mean in &row.means {
             cells.push(format!("{:.4}", mean.flip));
-            cells.extend([mean.triangles, mean.items].map(|n| count(n.round() as usize)));
+            let counts = [mean.triangles, mean.levels_alone, mean.items];
+            cells.extend(counts.map(|n| count(n.round() as usize)));
             cells.push(mean.beyond.to_string());
         }
         cells.resize(header.len(), String::new());
@@ -391,6 +400,8 @@ groups (grouping `none`: objects at the level for their distance, whose own figu
   Omega, by size: the groups of the first, taken apart by the angle under which their boxes are seen.
 - octree, k-means: groups of at most 8 by the middles of the objects, taken apart by size too.
 - boxes: of the mean colour, blended; cards: three pictures that cross. 12 triangles, both.
+- levels alone: triangles with which objects without groups come to the same FLIP, their levels
+  being switched ever nearer; if their coarsest levels still differ less, what those take.
 - beyond: views where the limit could not be kept, the eye being inside groups, which are always
   taken apart.
 ";

@@ -1,6 +1,7 @@
 //! `karui bench hlod`: scenes of very many objects, measured.
 
 mod chart;
+mod coarser;
 mod counts;
 mod crowd;
 mod groupings;

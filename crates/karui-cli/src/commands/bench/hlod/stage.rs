@@ -7,7 +7,7 @@ use karui::geom::{Camera, DMat4, Light, Mat4, Projection, Vec3};
 use karui::hlod::proxy::{
     BoxOptions, Group, ImpostorOptions, Look, Member, Objects, Proxy, box_proxy, impostor,
 };
-use karui::hlod::{Assets, DrawList, Item, Tree, View, Walk};
+use karui::hlod::{Assets, DrawList, Item, Levels, Tree, View, Walk};
 use karui::mesh::{Material, Texture};
 use karui::render::{Instance, Model, Outputs, Picture, RenderOptions, Renderer};
 use rayon::prelude::*;
@@ -70,8 +70,20 @@ impl<'a> Stage<'a> {
 
     /// What a frame draws.
     pub fn list(&mut self, view: &View) -> Result<DrawList> {
+        self.list_with(&self.crowd.levels, view)
+    }
+
+    /// What a frame draws if levels are switched at distances that are shorter by a factor.
+    pub fn coarser(&mut self, view: &View, factor: f32) -> Result<DrawList> {
+        let mut levels = self.crowd.levels.clone();
+        let switches = levels.iter_mut().flat_map(|l| &mut l.switch);
+        switches.for_each(|distance| *distance *= factor);
+        self.list_with(&levels, view)
+    }
+
+    fn list_with(&mut self, levels: &[Levels], view: &View) -> Result<DrawList> {
         let assets = Assets {
-            levels: &self.crowd.levels,
+            levels,
             levels_of_object: &self.crowd.meshes,
             proxies: &self.triangles,
         };
