@@ -6,7 +6,6 @@ mod console;
 mod explain;
 mod eye;
 mod failure;
-mod heat;
 mod input;
 mod outofcore;
 mod output;

@@ -6,10 +6,8 @@ use crate::textures;
 use crate::weights::MeshWeights;
 use anyhow::Result;
 use clap::ValueEnum;
-use karui::TriMesh;
 use karui::render::Model;
-use karui::saliency::{self, HybridOptions, MeshSaliencyOptions, MultiView, MultiViewOptions};
-use karui::saliency::{Preset, SMOOTHING, Views, WeightMap};
+use karui::saliency::{self, Preset, WeightMap};
 
 /// Ways to tell what matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -25,36 +23,20 @@ pub enum Kind {
     Hybrid,
 }
 
-/// Directions that pictures are made from.
-const VIEWS: u32 = 96;
-
 impl Kind {
     /// As on the command line.
     pub fn name(self) -> String {
-        let value = self.to_possible_value();
-        value.map_or(String::new(), |v| v.get_name().to_owned())
+        self.resolve().name().to_owned()
     }
 
-    /// How wide values are smoothed if nothing else is asked for, as a share of the diagonal.
-    fn smoothing(self) -> f64 {
+    /// As the library knows it.
+    fn resolve(self) -> saliency::Kind {
         match self {
-            Self::Hybrid => SMOOTHING,
-            Self::Curvature | Self::Mesh | Self::Image => 0.0,
+            Self::Curvature => saliency::Kind::Curvature,
+            Self::Mesh => saliency::Kind::Mesh,
+            Self::Image => saliency::Kind::Image,
+            Self::Hybrid => saliency::Kind::Hybrid,
         }
-    }
-
-    /// One value a vertex, 0 to 1.
-    fn of_mesh(self, mesh: &TriMesh, views: Option<&MultiView>) -> Result<Vec<f32>> {
-        let of_shape = |mesh| saliency::mesh_saliency(mesh, &MeshSaliencyOptions::default());
-        Ok(match (self, views) {
-            (Self::Curvature, _) => sizes(mesh)?,
-            (Self::Image, Some(views)) => views.mean.clone(),
-            (Self::Hybrid, Some(views)) => {
-                let (bend, shape) = (sizes(mesh)?, of_shape(mesh)?);
-                saliency::hybrid(&bend, &shape, views, &HybridOptions::default())?.values
-            }
-            _ => of_shape(mesh)?,
-        })
     }
 }
 
@@ -80,11 +62,6 @@ impl PresetArg {
     }
 }
 
-/// Sizes of the mean curvature, 0 to 1.
-fn sizes(mesh: &TriMesh) -> Result<Vec<f32>> {
-    Ok(saliency::curvature_sizes(&saliency::curvature(mesh)?))
-}
-
 /// One value a vertex of every mesh, 0 to 1, as published.
 pub fn of_preset(preset: Preset, input: &Input, console: &Console) -> Result<Vec<Vec<f32>>> {
     let images = textures::decode(input, console);
@@ -100,36 +77,13 @@ pub fn of_scene(
     input: &Input,
     console: &Console,
 ) -> Result<Vec<Vec<f32>>> {
-    let width = smoothing.unwrap_or(kind.smoothing());
-    let views = match kind {
-        Kind::Image | Kind::Hybrid => look(input, console)?,
-        Kind::Curvature | Kind::Mesh => Vec::new(),
+    let kind = kind.resolve();
+    let images = match kind.looks() {
+        true => textures::decode(input, console),
+        false => Vec::new(),
     };
-    let of_mesh = |(i, mesh): (usize, &TriMesh)| match mesh.triangles.is_empty() {
-        true => Ok(vec![0.0; mesh.positions.len()]),
-        false => Ok(saliency::smooth(
-            mesh,
-            &kind.of_mesh(mesh, views.get(i))?,
-            width,
-        )?),
-    };
-    let meshes = input.scene.meshes.iter().map(|m| &m.mesh);
-    meshes.enumerate().map(of_mesh).collect()
-}
-
-/// What pictures from all around say about every mesh.
-fn look(input: &Input, console: &Console) -> Result<Vec<MultiView>> {
-    let images = textures::decode(input, console);
     let model = Model::of_scene(&input.scene, &images);
-    let options = MultiViewOptions {
-        views: Views::Fibonacci(VIEWS),
-        ..MultiViewOptions::default()
-    };
-    Ok(saliency::multi_view(
-        &model,
-        &options,
-        &*console.progress(),
-    )?)
+    Ok(kind.saliency(&model, smoothing, &*console.progress())?)
 }
 
 /// Weights for simplification.

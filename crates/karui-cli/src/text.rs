@@ -1,8 +1,7 @@
 //! Text in pictures, and what it says about colours.
 
-use crate::heat;
 use font8x8::legacy::BASIC_LEGACY;
-use karui::render::Picture;
+use karui::render::{Picture, heat_table};
 
 /// Dots a letter is wide and high.
 pub const GLYPH: u32 = 8;
@@ -50,7 +49,7 @@ pub fn ink_on([r, g, b, a]: [u8; 4]) -> [u8; 4] {
     }
 }
 
-/// What the colours of [`heat`] stand for: a bar along the lower edge with the
+/// What the colours of [`heat_table`] stand for: a bar along the lower edge with the
 /// values at its ends, and their unit.
 pub fn legend(picture: &mut Picture, [low, high]: [&str; 2], unit: &str, background: [u8; 4]) {
     let dot = (picture.width() / 512).clamp(1, 4);
@@ -58,7 +57,7 @@ pub fn legend(picture: &mut Picture, [low, high]: [&str; 2], unit: &str, backgro
     let ink = ink_on(background);
     let wide = picture.width().saturating_sub(2 * margin);
     let top = picture.height().saturating_sub(2 * line + 2 * margin);
-    let table = heat::table();
+    let table = heat_table();
     for x in 0..wide {
         let [r, g, b] = table[(x * 255 / wide.max(1)) as usize];
         for y in 0..line {

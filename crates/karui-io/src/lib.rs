@@ -56,11 +56,13 @@ pub use control::{LoadedControl, read_control, read_control_bytes};
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};
-pub use image::{HeightRows, decode_image, encode_png, picture_of};
+pub use image::{HeightRows, decode_image, encode_png, picture_of, pictures_of};
 pub use ply::PlyEncoding;
-pub use read::{Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_with};
+pub use read::{
+    Loaded, ReadOptions, read, read_bytes, read_poly, read_poly_bytes, read_sent, read_with,
+};
 pub use warnings::Warnings;
-pub use write::{WriteOptions, write, write_with};
+pub use write::{WriteOptions, glb_bytes, write, write_with};
 
 /// The README's snippets compile.
 #[cfg(doctest)]

@@ -4,7 +4,7 @@ use crate::{
     Format,
     error::{Error, ErrorKind, Result},
     gltf, obj, off, ply,
-    source::{Source, load},
+    source::{Source, inflated, load},
     stl,
 };
 use karui::{PolyMesh, Scene, TriMesh};
@@ -63,6 +63,19 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded
 /// As [`read`].
 pub fn read_bytes(format: Format, bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded> {
     scene(format, &mut Source::in_memory(name.as_ref(), bytes))
+}
+
+/// Reads the bytes of a file that need not lie on this machine, e.g. one that was sent:
+/// told apart and inflated by its name as [`read_with`] does. Files it refers to are not
+/// looked for.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_sent(name: impl AsRef<Path>, bytes: &[u8], options: &ReadOptions) -> Result<Loaded> {
+    let name = name.as_ref();
+    let bytes = inflated(name, bytes, options)?;
+    let format = Format::detect(name, &bytes)?;
+    scene(format, &mut Source::in_memory(name, &bytes))
 }
 
 /// Reads a model as one mesh whose polygons are kept (OBJ, PLY, OFF); the

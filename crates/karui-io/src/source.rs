@@ -7,6 +7,7 @@ use crate::{
 };
 use flate2::bufread::MultiGzDecoder;
 use std::{
+    borrow::Cow,
     fs,
     io::{self, Read},
     path::{Component, Path, PathBuf},
@@ -53,10 +54,26 @@ impl<'a> Source<'a> {
 /// Reads a file, inflating it if its name ends in `.gz`.
 pub(crate) fn load(path: &Path, options: &ReadOptions) -> Result<Vec<u8>> {
     let raw = load_raw(path).map_err(|e| Error::file(path, ErrorKind::Io(e)))?;
+    let inflated = match inflated(path, &raw, options)? {
+        Cow::Owned(bytes) => Some(bytes),
+        Cow::Borrowed(_) => None,
+    };
+    Ok(inflated.unwrap_or(raw))
+}
+
+/// What is in a file whose bytes are `raw`, inflated if its name ends in `.gz`.
+pub(crate) fn inflated<'a>(
+    path: &Path,
+    raw: &'a [u8],
+    options: &ReadOptions,
+) -> Result<Cow<'a, [u8]>> {
     let compressed = raw.starts_with(&[0x1f, 0x8b]);
     match (is_gz(path), compressed) {
-        (true, true) => inflate(&raw, options.max_inflation).map_err(|e| e.in_file(path)),
-        (false, false) => Ok(raw),
+        (true, true) => {
+            let bytes = inflate(raw, options.max_inflation).map_err(|e| e.in_file(path))?;
+            Ok(Cow::Owned(bytes))
+        }
+        (false, false) => Ok(Cow::Borrowed(raw)),
         (true, false) if raw.is_empty() => Err(Error::file(
             path,
             ErrorKind::truncated("a gzip stream", "an empty file"),

@@ -57,6 +57,15 @@ pub fn write_with(
     Ok(written)
 }
 
+/// A scene as the bytes of a GLB file, as [`write_with`] would write it.
+///
+/// # Errors
+/// As [`write()`].
+pub fn glb_bytes(scene: &Scene, options: &GltfOptions) -> Result<Vec<u8>> {
+    let scene = image::encoded(scene)?;
+    gltf::glb_bytes(&scene, options)
+}
+
 fn write_format(
     format: Format,
     files: &mut Transaction,

@@ -3,13 +3,14 @@
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Input};
+use crate::output;
 use crate::table::{count, number, percent, seconds, table};
-use crate::{heat, output};
 use anyhow::Result;
 use karui::mesh::{Attribute, AttributeValues};
 use karui::metrics::{
     Distance, Samples, SurfaceDistance, SurfaceDistanceOptions, surface_distance, vertex_distances,
 };
+use karui::render::heat_color;
 use karui::{Scene, TriMesh};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -109,7 +110,7 @@ fn error_map(mut a: TriMesh, b: &TriMesh) -> Result<TriMesh> {
     let distances = vertex_distances(&a, b)?;
     let largest = distances.iter().copied().fold(0.0, f32::max);
     let share = |d: &f32| if largest > 0.0 { d / largest } else { 0.0 };
-    let colors = distances.iter().map(|d| heat::color(share(d))).collect();
+    let colors = distances.iter().map(|d| heat_color(share(d))).collect();
     a.attributes.colors = vec![colors];
     a.attributes.custom.retain(|c| c.name != "distance");
     a.attributes.custom.push(Attribute {

@@ -19,6 +19,7 @@ mod subdivide;
 mod task;
 mod tiles;
 mod validate;
+mod view;
 
 use crate::console::Console;
 use anyhow::Result;
@@ -36,6 +37,7 @@ pub enum Command {
     Info(info::Args),
     Measure(measure::Args),
     Compare(compare::Args),
+    View(view::Args),
     Validate(validate::Args),
     Render(render::Args),
     Convert(convert::Args),
@@ -60,6 +62,7 @@ pub fn run(command: Command, console: &Console) -> Result<()> {
         Command::Info(args) => info::run(&args, console),
         Command::Measure(args) => measure::run(&args, console),
         Command::Compare(args) => compare::run(&args, console),
+        Command::View(args) => view::run(&args, console),
         Command::Validate(args) => validate::run(&args, console),
         Command::Render(args) => render::run(&args, console),
         Command::Convert(args) => convert::run(&args, console),

@@ -8,9 +8,10 @@ use crate::console::Console;
 use crate::output::Staged;
 use crate::saliency::{self, Kind, PresetArg};
 use crate::table::{bytes, count, seconds};
-use crate::{heat, input, output};
+use crate::{input, output};
 use anyhow::Result;
 use karui::mesh::{Attribute, AttributeValues};
+use karui::render::heat_color;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -69,7 +70,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     for (mesh, values) in input.scene.meshes.iter_mut().zip(values) {
         let attributes = &mut mesh.mesh.attributes;
         if args.colors {
-            attributes.colors = vec![values.iter().map(|v| heat::color(*v)).collect()];
+            attributes.colors = vec![values.iter().map(|v| heat_color(*v)).collect()];
         }
         attributes.custom.retain(|a| a.name != NAME);
         attributes.custom.push(Attribute {

@@ -40,7 +40,7 @@ pub use feature_table::{FeatureColumn, FeatureTable, FeatureValues};
 pub(crate) use inspect::Inspected;
 pub(crate) use read::read;
 pub use write::GltfOptions;
-pub(crate) use write::write;
+pub(crate) use write::{glb_bytes, write};
 
 /// What a scene read from glTF carries for the writer.
 struct GltfSource {

@@ -69,9 +69,7 @@ pub(crate) fn write(
     options: &GltfOptions,
     format: Format,
 ) -> Result<()> {
-    scene
-        .validate()
-        .map_err(|e| Error::new(ErrorPlace::File, ErrorKind::Geometry(e)))?;
+    check(scene)?;
     if format == Format::Glb {
         let glb = glb(scene, options)?;
         return write_file(files, path, |sink| sink.write_all(&glb));
@@ -95,7 +93,18 @@ pub(crate) fn write(
     write_file(files, path, |sink| sink.write_all(&text))
 }
 
-/// A scene as the bytes of a GLB file. The scene must be valid.
+/// A scene as the bytes of a GLB file.
+pub(crate) fn glb_bytes(scene: &Scene, options: &GltfOptions) -> Result<Vec<u8>> {
+    check(scene)?;
+    glb(scene, options)
+}
+
+fn check(scene: &Scene) -> Result<()> {
+    let fail = |error| Error::new(ErrorPlace::File, ErrorKind::Geometry(error));
+    scene.validate().map_err(fail)
+}
+
+/// The same. The scene must be valid.
 fn glb(scene: &Scene, options: &GltfOptions) -> Result<Vec<u8>> {
     let built = build(scene, options, None)?;
     container::join(to_text(&built.json, false)?, &built.packed.bin)

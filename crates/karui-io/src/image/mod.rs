@@ -12,7 +12,7 @@ mod tests;
 
 pub use height_rows::HeightRows;
 pub(crate) use pixels::encoded;
-pub use pixels::picture_of;
+pub use pixels::{picture_of, pictures_of};
 pub use png::encode_png;
 
 use crate::error::{Error, ErrorKind, IMAGE_SIDE, Place, Result};

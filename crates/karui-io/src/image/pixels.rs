@@ -7,6 +7,7 @@ use karui::{
     mesh::{Image, ImageData},
     render::Picture,
 };
+use rayon::prelude::*;
 use std::{borrow::Cow, sync::Arc};
 
 /// The picture of an image: decoded, or the pixels it was made of. `None` for one
@@ -26,6 +27,33 @@ pub fn picture_of(image: &Image) -> Result<Option<Picture>> {
             picture.map(Some).map_err(fail)
         }
     }
+}
+
+/// The pictures of a scene's images by their index, and of those that cannot be decoded a
+/// line each that says why. Of files that were not found the reader has told.
+#[must_use]
+pub fn pictures_of(scene: &Scene) -> (Vec<Option<Picture>>, Vec<String>) {
+    let decoded: Vec<_> = scene.images.par_iter().map(picture_of).collect();
+    let mut warnings = Vec::new();
+    let each = (0..).zip(&scene.images).zip(decoded);
+    let pictures = each.map(|((i, image), picture)| {
+        let warn = |error| {
+            let name = name_of(image, i);
+            warnings.push(format!("{name}: {error}; drawn without it"));
+        };
+        picture.map_err(warn).ok().flatten()
+    });
+    (pictures.collect(), warnings)
+}
+
+fn name_of(image: &Image, index: usize) -> String {
+    let uri = match &image.data {
+        ImageData::Bytes { uri, .. } => uri.as_deref(),
+        ImageData::Missing { uri } => Some(&**uri),
+        ImageData::Pixels { .. } => None,
+    };
+    let name = uri.or(image.name.as_deref());
+    name.map_or_else(|| format!("image {index}"), str::to_owned)
 }
 
 /// The scene with all its images encoded: pixels become PNGs.

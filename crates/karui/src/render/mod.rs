@@ -29,6 +29,7 @@ mod clip;
 mod edges;
 mod frame;
 mod geometry;
+mod heat;
 mod layers;
 mod material;
 mod mips;
@@ -48,6 +49,7 @@ mod view;
 
 pub(crate) use base_color::{BaseColors, Footprint, encoded};
 pub use frame::{Frame, Hit};
+pub use heat::{heat_color, heat_table};
 pub use model::{Instance, Model};
 pub use options::{
     Ambient, Faces, MAX_SIDE, Normals, Outputs, Paint, RenderOptions, Scalar, Shading, Wireframe,

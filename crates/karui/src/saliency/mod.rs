@@ -13,6 +13,7 @@ mod curvature;
 mod gauss;
 mod hybrid;
 mod image;
+mod kind;
 mod mesh;
 mod preset;
 mod quantile;
@@ -26,6 +27,7 @@ pub use curvature::{
 };
 pub use hybrid::{Class, Hybrid, HybridOptions, hybrid};
 pub use image::{ImageSaliency, ImageSaliencyOptions, Opponency, SaliencyMap, image_saliency};
+pub use kind::Kind;
 pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
 pub use preset::Preset;
 pub use smooth::{SMOOTHING, smooth};

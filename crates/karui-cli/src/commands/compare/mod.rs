@@ -6,7 +6,6 @@ use super::measure;
 use crate::console::Console;
 use crate::eye::{Eye, differences};
 use crate::failure::Failure;
-use crate::heat;
 use crate::input::{self, Input};
 use crate::output::Staged;
 use crate::progress::check_cancelled;
@@ -16,7 +15,7 @@ use crate::textures;
 use anyhow::Result;
 use karui::metrics::image::{ImageDifference, PIXELS_PER_DEGREE, ViewDifferences, flip};
 use karui::metrics::{SurfaceDistance, vertex_distances};
-use karui::render::{Model, Paint, Picture, RenderOptions, Renderer, Scalar};
+use karui::render::{Model, Paint, Picture, RenderOptions, Renderer, Scalar, heat_table};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -111,7 +110,7 @@ fn distance_picture(
 ) -> Result<Picture> {
     let distances = vertex_distances(a, b)?;
     let high = distances.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    let map = heat::table();
+    let map = heat_table();
     let values = [distances.as_slice()];
     let options = RenderOptions {
         paint: Paint::Scalar(Scalar {

@@ -2,13 +2,12 @@
 //! saliency.
 
 use crate::eye::require_placed;
-use crate::heat;
 use crate::input::Input;
 use crate::sheet::Layout;
 use crate::text::legend;
 use anyhow::Result;
 use karui::geom::{Camera, Light, Vec3};
-use karui::render::{Model, Outputs, Paint, Picture, RenderOptions, Renderer, Scalar};
+use karui::render::{Model, Outputs, Paint, Picture, RenderOptions, Renderer, Scalar, heat_table};
 
 /// Pixels a side of each view.
 const SIDE: u32 = 768;
@@ -26,7 +25,7 @@ pub fn sheet(input: &Input, values: &[Vec<f32>], name: &str) -> Result<Picture> 
     let model = Model::of_scene(&input.scene, &[]);
     let renderer = Renderer::of_model(&model)?;
     require_placed(&renderer, &input.path)?;
-    let map = heat::table();
+    let map = heat_table();
     let values: Vec<&[f32]> = values.iter().map(Vec::as_slice).collect();
     let options = RenderOptions {
         width: SIDE,

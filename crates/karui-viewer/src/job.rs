@@ -1,0 +1,187 @@
+//! Work that takes longer than a request.
+
+use karui::Progress;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Jobs that are remembered.
+const KEPT: usize = 64;
+
+/// A piece of long work.
+#[derive(Debug)]
+pub struct Job {
+    /// File it works on.
+    file: usize,
+    /// Bits of an `f32`.
+    fraction: AtomicU32,
+    cancelled: AtomicBool,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Clone)]
+struct State {
+    stage: &'static str,
+    outcome: Option<Outcome>,
+}
+
+/// How a job ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// As it should.
+    Done,
+    /// Because it was asked to.
+    Cancelled,
+    /// For this reason.
+    Failed(String),
+}
+
+/// What is told about a job.
+#[derive(Debug, Serialize, PartialEq)]
+pub struct Report {
+    state: &'static str,
+    /// Share of the stage that is done, 0 to 1.
+    fraction: f32,
+    stage: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+}
+
+impl Job {
+    fn new(file: usize) -> Self {
+        let (stage, outcome) = ("waiting", None);
+        Self {
+            file,
+            fraction: AtomicU32::new(0),
+            cancelled: AtomicBool::new(false),
+            state: Mutex::new(State { stage, outcome }),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Ends the work at its next step.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::SeqCst);
+    }
+
+    /// Writes down how it ended.
+    pub fn end(&self, outcome: Outcome) {
+        self.state().outcome = Some(outcome);
+    }
+
+    /// How it is going.
+    pub fn report(&self) -> Report {
+        let State { stage, outcome } = self.state().clone();
+        let (state, error) = match outcome {
+            None => ("running", None),
+            Some(Outcome::Done) => ("done", None),
+            Some(Outcome::Cancelled) => ("cancelled", None),
+            Some(Outcome::Failed(why)) => ("failed", Some(why)),
+        };
+        Report {
+            state,
+            fraction: f32::from_bits(self.fraction.load(Ordering::Relaxed)),
+            stage,
+            error,
+        }
+    }
+}
+
+impl Progress for Job {
+    fn report(&self, stage: &'static str, fraction: f32) {
+        let bits = fraction.clamp(0.0, 1.0).to_bits();
+        self.fraction.store(bits, Ordering::Relaxed);
+        self.state().stage = stage;
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::SeqCst)
+    }
+}
+
+/// All jobs by their number.
+#[derive(Debug, Default)]
+pub struct Jobs(Mutex<Numbered>);
+
+#[derive(Debug, Default)]
+struct Numbered {
+    begun: usize,
+    /// The latest, the last being number `begun - 1`.
+    kept: Vec<Arc<Job>>,
+}
+
+impl Jobs {
+    fn all(&self) -> MutexGuard<'_, Numbered> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A new job on a file; one that still works on it is told to end.
+    pub fn begin(&self, file: usize) -> (usize, Arc<Job>) {
+        let mut all = self.all();
+        let of_file = all.kept.iter().filter(|job| job.file == file);
+        of_file.for_each(|job| job.cancel());
+        if all.kept.len() == KEPT {
+            all.kept.remove(0).cancel();
+        }
+        let job = Arc::new(Job::new(file));
+        all.kept.push(Arc::clone(&job));
+        all.begun += 1;
+        (all.begun - 1, job)
+    }
+
+    /// The job of a number, if it is remembered.
+    pub fn get(&self, id: usize) -> Option<Arc<Job>> {
+        let all = self.all();
+        let first = all.begun - all.kept.len();
+        all.kept.get(id.checked_sub(first)?).cloned()
+    }
+
+    /// Tells all jobs to end.
+    pub fn cancel_all(&self) {
+        self.all().kept.iter().for_each(|job| job.cancel());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_job_ends_an_earlier_one_on_the_same_file() {
+        let jobs = Jobs::default();
+        let (_, first) = jobs.begin(0);
+        let (_, other) = jobs.begin(1);
+        let (id, second) = jobs.begin(0);
+        assert!(first.cancelled() && !other.cancelled() && !second.cancelled());
+        assert!(Arc::ptr_eq(&jobs.get(id).unwrap(), &second));
+        jobs.cancel_all();
+        assert!(other.cancelled() && second.cancelled());
+    }
+
+    #[test]
+    fn old_jobs_are_forgotten() {
+        let jobs = Jobs::default();
+        let (first, job) = jobs.begin(0);
+        (1..=KEPT).for_each(|file| drop(jobs.begin(file)));
+        assert!(jobs.get(first).is_none() && job.cancelled());
+        assert!(jobs.get(1).is_some() && jobs.get(KEPT).is_some());
+        assert!(jobs.get(KEPT + 1).is_none());
+    }
+
+    #[test]
+    fn a_job_tells_how_it_goes() {
+        let job = Job::new(0);
+        Progress::report(&job, "levels", 0.5);
+        let told = job.report();
+        assert_eq!(
+            (told.state, told.stage, told.fraction),
+            ("running", "levels", 0.5)
+        );
+        job.end(Outcome::Failed("why".into()));
+        let told = job.report();
+        assert_eq!((told.state, told.error.as_deref()), ("failed", Some("why")));
+    }
+}

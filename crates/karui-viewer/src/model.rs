@@ -1,0 +1,107 @@
+//! A model that is shown.
+
+use crate::file::Origin;
+use crate::levels::LevelSet;
+use karui::render::Picture;
+use karui::saliency::Kind;
+use karui::{Scene, geom::Aabb};
+use karui_io::{Error, Loaded};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
+
+/// A model that is shown.
+#[derive(Debug)]
+pub struct Model {
+    /// As it was read.
+    pub scene: Arc<Scene>,
+    /// Size of the file.
+    pub bytes: u64,
+    /// What the reader passed over.
+    pub warnings: Vec<String>,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Around the scene, world units.
+    pub bounds: Aabb,
+    levels: RwLock<Arc<LevelSet>>,
+    images: OnceLock<Vec<Option<Picture>>>,
+    saliency: Mutex<Vec<Known>>,
+}
+
+/// Saliency that was found before.
+#[derive(Debug)]
+struct Known {
+    kind: Kind,
+    level: usize,
+    /// Of these levels and no later ones.
+    levels: Arc<LevelSet>,
+    values: Arc<Vec<Vec<f32>>>,
+}
+
+impl Model {
+    /// Of what was read from `bytes` bytes.
+    ///
+    /// # Errors
+    /// [`karui_io::Error`] if the scene is not valid, so that no page could show it.
+    pub fn new(loaded: Loaded, bytes: u64, origin: Origin) -> Result<Self, Error> {
+        let Loaded { scene, warnings } = loaded;
+        let levels = Arc::new(LevelSet::of_original(&scene)?);
+        Ok(Self {
+            bounds: scene.bounds(),
+            scene: Arc::new(scene),
+            bytes,
+            warnings,
+            origin,
+            levels: RwLock::new(levels),
+            images: OnceLock::new(),
+            saliency: Mutex::default(),
+        })
+    }
+
+    /// The levels there are now.
+    pub fn levels(&self) -> Arc<LevelSet> {
+        let levels = self.levels.read();
+        Arc::clone(&levels.unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Puts other levels in the place of those there are.
+    pub fn set_levels(&self, levels: LevelSet) {
+        let mut place = self.levels.write().unwrap_or_else(PoisonError::into_inner);
+        *place = Arc::new(levels);
+    }
+
+    /// The images, decoded once.
+    pub fn images(&self) -> &[Option<Picture>] {
+        self.images
+            .get_or_init(|| karui_io::pictures_of(&self.scene).0)
+    }
+
+    /// Saliency of this kind of a level that was found before.
+    pub fn known(
+        &self,
+        kind: Kind,
+        level: usize,
+        levels: &Arc<LevelSet>,
+    ) -> Option<Arc<Vec<Vec<f32>>>> {
+        let known = self.saliency.lock().unwrap_or_else(PoisonError::into_inner);
+        let same =
+            |k: &&Known| k.kind == kind && k.level == level && Arc::ptr_eq(&k.levels, levels);
+        known.iter().find(same).map(|k| Arc::clone(&k.values))
+    }
+
+    /// Keeps saliency that was found; that of levels that are gone is let go.
+    pub fn learn(
+        &self,
+        kind: Kind,
+        level: usize,
+        levels: &Arc<LevelSet>,
+        values: Arc<Vec<Vec<f32>>>,
+    ) {
+        let mut known = self.saliency.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|k| Arc::ptr_eq(&k.levels, levels));
+        known.push(Known {
+            kind,
+            level,
+            levels: Arc::clone(levels),
+            values,
+        });
+    }
+}

@@ -1,0 +1,126 @@
+// What is in the panes: a level, the original beside it, painted as the state says.
+
+import { Box3, type Group, Scene, Vector3 } from 'three';
+import * as api from '../api';
+import type { Host } from '../mode';
+import type { State } from '../state';
+import { Shelf, triangles } from '../view/load';
+import { dispose, paint, twin } from '../view/paint';
+import { choose } from './choose';
+
+/** Heat maps that are pictures over the model rather than colours of its vertices. */
+export const FLIP = 'flip';
+
+export class Display {
+  /** The level that is shown; -1 for none yet. */
+  level = -1;
+  /** Triangles of it. */
+  triangles = 0;
+  /** Called when another level is shown, or the same one painted otherwise. */
+  readonly shown = new Set<() => void>();
+  readonly box: Box3;
+  private readonly shelf = new Shelf();
+  private readonly front = new Scene();
+  private readonly back = new Scene();
+  private asked = '';
+  private request = 0;
+
+  constructor(
+    private readonly host: Host,
+    public file: api.ModelSummary,
+  ) {
+    const { min, max } = file.bounds;
+    this.box = new Box3(new Vector3(...min), new Vector3(...max));
+  }
+
+  get state(): Readonly<State> {
+    return this.host.store.state;
+  }
+
+  /** Distance of the eye from the nearest point of the model's box, model units. */
+  distance(): number {
+    return this.box.distanceToPoint(this.host.stage.camera.position);
+  }
+
+  /** The level that the state asks for, seen from here. */
+  wanted(): number {
+    const { auto, level, tolerance, budget } = this.state;
+    const { levels } = this.file;
+    if (!auto) return Math.min(level, levels.length - 1);
+    return choose(levels, this.distance(), this.host.stage.pixelsPerRadian, tolerance, budget);
+  }
+
+  /** Brings the panes up to date; of several calls, the last one counts. */
+  async update(): Promise<void> {
+    const level = this.wanted();
+    const { compare } = this.state;
+    const key = `${this.path(level)} ${compare}`;
+    if (key === this.asked) return this.repaint();
+    this.asked = key;
+    const request = ++this.request;
+    try {
+      const both = [this.path(level), ...(compare === 'off' ? [] : [this.path(0)])];
+      const [front, back] = await Promise.all(both.map((path) => this.shelf.get(path)));
+      if (request !== this.request || !front) return;
+      this.put(front, back);
+      this.level = level;
+      this.triangles = triangles(front);
+      this.repaint();
+    } catch (error) {
+      if (request === this.request) this.asked = '';
+      throw error;
+    }
+  }
+
+  /** Other levels have been made of the same model. */
+  async renew(file: api.ModelSummary): Promise<void> {
+    this.file = file;
+    this.asked = '';
+    await this.shelf.clear((group) => this.free(group));
+    await this.update();
+  }
+
+  async close(): Promise<void> {
+    this.request += 1;
+    this.host.stage.panes = [];
+    await this.shelf.clear(dispose);
+  }
+
+  /** How much of the canvas shows the original. */
+  arrange(): void {
+    const { compare, wipe } = this.state;
+    const [side, cut] = { off: [0, true], side: [0.5, false], wipe: [wipe, true] }[compare] as [number, boolean];
+    const panes = [{ scene: this.front, from: side, to: 1, cut }];
+    if (side > 0) panes.unshift({ scene: this.back, from: 0, to: side, cut });
+    this.host.stage.panes = panes;
+    this.host.stage.invalidate();
+  }
+
+  private path(level: number): string {
+    const { heat } = this.state;
+    const plain = heat === '' || heat === FLIP;
+    return plain ? api.levelPath(this.file.id, level) : api.heatPath(this.file.id, heat, level);
+  }
+
+  private put(front: Group, back: Group | undefined): void {
+    const show = (scene: Scene, group: Group | undefined) => {
+      scene.children.filter((c) => c.type === 'Group').forEach((c) => scene.remove(c));
+      if (group) scene.add(group);
+    };
+    show(this.front, front);
+    show(this.back, back === front ? twin(front) : back);
+  }
+
+  private repaint(): void {
+    const { look, flat, wire, heat } = this.state;
+    const finish = { look, flat, wire, heat: heat !== '' && heat !== FLIP };
+    for (const scene of [this.front, this.back]) paint(scene, finish);
+    this.arrange();
+    for (const call of [...this.shown]) call();
+  }
+
+  /** What is on the screen stays until there is something else to show. */
+  private free(group: Group): void {
+    if (!group.parent) dispose(group);
+  }
+}

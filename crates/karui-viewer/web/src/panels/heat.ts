@@ -1,0 +1,81 @@
+// Heat maps and what their colours stand for.
+
+import * as api from '../api';
+import { h } from '../dom';
+import { number, percent } from '../format';
+import type { Host } from '../mode';
+import { type Display, FLIP } from '../model/display';
+
+const NAMES: Record<string, [string, string]> = {
+  curvature: ['Curvature', 'How strongly the surface bends, 0 to 1'],
+  mesh: ['Mesh saliency', 'Where it bends otherwise than around it, 0 to 1'],
+  image: ['Image saliency', 'What stands out in pictures from all around, 0 to 1'],
+  hybrid: ['Hybrid saliency', 'Curvature, mesh and image saliency, whichever says most, 0 to 1'],
+  error: ['Surface error', 'Distance of the level to the original'],
+  flip: ['FLIP', 'How different level and original look from here, 0 to 1'],
+};
+
+/** Magma, as the server colours FLIP. */
+const MAGMA = ['#000004', '#3b0f70', '#8c2981', '#de4968', '#fe9f6d', '#fcfdbf'];
+
+export class HeatPanel {
+  readonly element: HTMLElement;
+  readonly legend = h('figure', { class: 'legend', hidden: true });
+  private readonly pick: HTMLSelectElement;
+  private asked = '';
+  private mean: number | undefined;
+
+  constructor(
+    private readonly host: Host,
+    private readonly display: Display,
+  ) {
+    const kinds = ['', ...display.file.can.heat, FLIP];
+    const options = kinds.map((kind) => h('option', { value: kind }, kind ? (NAMES[kind]?.[0] ?? kind) : 'None'));
+    const choose = () => host.store.set({ heat: this.pick.value });
+    this.pick = h('select', { 'aria-label': 'Heat map', onchange: choose }, ...options);
+    this.element = h('div', {}, this.pick);
+  }
+
+  refresh(): void {
+    const { heat } = this.host.store.state;
+    this.pick.value = heat;
+    const key = heat && `${heat} ${this.display.level} ${this.display.file.levels.length}`;
+    if (key === this.asked) return;
+    this.asked = key;
+    this.legend.hidden = !heat;
+    if (heat === FLIP) this.show(FLIP, { min: 0, max: 1, unit: 'FLIP', map: 'magma', colors: MAGMA });
+    else if (heat) void this.ask(heat, key);
+  }
+
+  /** The mean of the FLIP that is shown; none while there is none. */
+  setMean(mean: number | undefined): void {
+    this.mean = mean;
+    const line = this.legend.querySelector('.mean');
+    if (line) line.textContent = this.told();
+  }
+
+  private told(): string {
+    return this.mean === undefined ? 'drawing …' : `mean ${number(this.mean)}`;
+  }
+
+  private async ask(kind: string, key: string): Promise<void> {
+    try {
+      const legend = await api.legend(this.display.file.id, kind, Math.max(0, this.display.level));
+      if (key === this.asked) this.show(kind, legend);
+    } catch (error) {
+      this.host.say((error as Error).message, 'error');
+    }
+  }
+
+  private show(kind: string, { min, max, unit, map, colors }: api.Legend): void {
+    const [name, what] = NAMES[kind] ?? [kind, ''];
+    const bar = h('div', { class: 'ramp', role: 'img', 'aria-label': `${map}: ${number(min)} to ${number(max)} ${unit}` });
+    bar.style.background = `linear-gradient(to right, ${colors.join(', ')})`;
+    const { diagonal, unit: metre } = this.display.file;
+    const own = metre ?? 'model units';
+    const share = kind === 'error' && diagonal > 0 ? ` ${own} (${percent(max / diagonal)} of the diagonal)` : '';
+    const ends = h('div', { class: 'ends' }, h('span', {}, number(min)), h('span', {}, number(max) + share));
+    const mean = kind === FLIP ? h('div', { class: 'mean' }, this.told()) : null;
+    this.legend.replaceChildren(h('figcaption', { title: what }, name), bar, ends, ...(mean ? [mean] : []));
+  }
+}
