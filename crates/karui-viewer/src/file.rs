@@ -35,6 +35,16 @@ pub enum Origin {
     Memory(Bytes),
 }
 
+impl Origin {
+    /// Size of the file; 0 if it has gone from the disk.
+    pub fn bytes(&self) -> u64 {
+        match self {
+            Self::Disk(path) => std::fs::metadata(path).map_or(0, |m| m.len()),
+            Self::Memory(bytes) => bytes.len() as u64,
+        }
+    }
+}
+
 impl File {
     /// Reads a file: a tileset if it is JSON, else a model.
     pub fn open(path: &Path) -> Result<Self> {
@@ -56,8 +66,7 @@ impl File {
                 "{name}: the model has no triangles"
             )));
         }
-        let size = bytes.len() as u64;
-        let model = Model::new(loaded, size, Origin::Memory(bytes))?;
+        let model = Model::new(loaded, Origin::Memory(bytes))?;
         Ok(Self {
             name: name.to_owned(),
             content: Content::Model(Box::new(model)),
@@ -84,7 +93,6 @@ fn model(path: &Path) -> Result<Model> {
     if loaded.scene.triangle_count() == 0 {
         return Err(Error::NoTriangles(path.to_owned()));
     }
-    let size = std::fs::metadata(path).map_or(0, |m| m.len());
     let (path, origin) = (path.to_owned(), Origin::Disk(path.to_owned()));
-    Model::new(loaded, size, origin).map_err(|error| Error::Model { path, error })
+    Model::new(loaded, origin).map_err(|error| Error::Model { path, error })
 }

@@ -32,3 +32,6 @@ mod viewer;
 
 pub use error::{Error, Result};
 pub use viewer::{Viewer, ViewerOptions};
+
+/// Colours and type of the page as CSS, for reports that are to look like it.
+pub const LOOK: &str = include_str!("../web/src/look.css");

@@ -37,17 +37,17 @@ struct Known {
 }
 
 impl Model {
-    /// Of what was read from `bytes` bytes.
+    /// Of what was read.
     ///
     /// # Errors
     /// [`karui_io::Error`] if the scene is not valid, so that no page could show it.
-    pub fn new(loaded: Loaded, bytes: u64, origin: Origin) -> Result<Self, Error> {
+    pub fn new(loaded: Loaded, origin: Origin) -> Result<Self, Error> {
         let Loaded { scene, warnings } = loaded;
         let levels = Arc::new(LevelSet::of_original(&scene)?);
         Ok(Self {
             bounds: scene.bounds(),
             scene: Arc::new(scene),
-            bytes,
+            bytes: origin.bytes(),
             warnings,
             origin,
             levels: RwLock::new(levels),

@@ -7,6 +7,7 @@ use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use karui::render::Picture;
+use karui_viewer::LOOK;
 use std::fmt::Write as _;
 
 /// What the pictures of a view are called.
@@ -20,11 +21,15 @@ const NAMES: [(&str, &str); 4] = [
     ("distance", "A, by its distance to B"),
 ];
 
-const STYLE: &str = "body{font:15px/1.4 sans-serif;max-width:70em;margin:2em auto;padding:0 1em}\
-table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em .8em;text-align:right;\
-border-bottom:1px solid #ccc}td:first-child,th:first-child{text-align:left}\
+/// Pictures one sees through have black legends, hence the light ground.
+const STYLE: &str = "body{max-width:72em;margin:2em auto;padding:0 1.2em}\
+h1{font-size:1.4em}h2{font-size:1.1em;margin-top:2em}\
+table{border-collapse:collapse;margin:1.2em 0;font-variant-numeric:tabular-nums}\
+td,th{padding:.3em .9em;text-align:right;border-bottom:1px solid var(--line)}\
+th{color:var(--quiet);font-weight:400}td:first-child,th:first-child{text-align:left}\
 .v{display:grid;grid-template-columns:repeat(auto-fit,minmax(15em,1fr));gap:1em}\
-figure{margin:0}img{width:100%}figcaption{color:#555}";
+figure{margin:0}img{width:100%;background:#c9ced6;border-radius:var(--radius)}\
+figcaption{color:var(--quiet)}";
 
 /// Writes report.html and its pictures.
 pub fn write(
@@ -54,8 +59,9 @@ pub fn write(
     }
     let [a, b] = [&args.a, &args.b].map(|path| escaped(&path.display().to_string()));
     let html = format!(
-        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{a} and {b}</title>\n\
-         <style>{STYLE}</style>\n<h1>A: {a}<br>B: {b}</h1>\n{}\n{}\n{views}</html>\n",
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width\"><title>{a} and {b}</title>\n\
+         <style>{LOOK}{STYLE}</style>\n<h1>A: {a}<br>B: {b}</h1>\n{}\n{}\n{views}</html>\n",
         distances(found),
         differences(found),
     );
