@@ -1,7 +1,8 @@
 //! The levels of a model, as they are sent.
 
+use crate::links::{linked_levels, measure};
 use axum::body::Bytes;
-use karui::lod::{SceneChain, Seen, to_msft_lod};
+use karui::lod::{LevelSummary, SceneChain, Seen, to_msft_lod};
 use karui::{Scene, TriMesh};
 use karui_io::{Error, GltfOptions, glb_bytes};
 use serde::Serialize;
@@ -13,6 +14,8 @@ pub struct LevelSet {
     pub chain: Option<SceneChain>,
     /// The original first.
     pub rows: Vec<Row>,
+    /// What the file brought along, the original first; nothing if a chain made the levels.
+    linked: Vec<Scene>,
     glbs: Vec<Bytes>,
 }
 
@@ -21,8 +24,9 @@ pub struct LevelSet {
 pub struct Row {
     level: usize,
     /// Triangles, each mesh counted once.
-    triangles: usize,
-    vertices: usize,
+    pub triangles: usize,
+    /// The same of vertices.
+    pub vertices: usize,
     /// As a GLB of its own.
     bytes: usize,
     /// Measured between the surfaces, both ways.
@@ -42,15 +46,39 @@ struct Errors {
 }
 
 impl LevelSet {
-    /// The original alone.
-    pub fn of_original(scene: &Scene) -> Result<Self, Error> {
-        let glb = glb(scene)?;
-        let vertices = scene.meshes.iter().map(|m| m.mesh.positions.len()).sum();
-        let errors = [0.0; 3];
-        let row = row(0, [scene.triangle_count(), vertices], glb.len(), errors);
+    /// What a file holds: the original, and the levels that it brings along.
+    pub fn of_file(scene: &Scene) -> Result<Self, Error> {
+        let linked = linked_levels(scene);
+        if linked.is_empty() {
+            return Self::of_original(scene);
+        }
+        let fail = |error: karui::Error| Error::file("", error.into());
+        let summaries = measure(&linked).map_err(fail)?;
+        let (mut rows, mut glbs) = (Vec::new(), Vec::new());
+        for (level, (own, sum)) in linked.iter().zip(summaries).enumerate() {
+            let glb = glb(own)?;
+            rows.push(row(level, &sum, glb.len()));
+            glbs.push(glb);
+        }
         Ok(Self {
             chain: None,
-            rows: vec![row],
+            rows,
+            linked,
+            glbs,
+        })
+    }
+
+    fn of_original(scene: &Scene) -> Result<Self, Error> {
+        let glb = glb(scene)?;
+        let sum = LevelSummary {
+            triangles: scene.triangle_count(),
+            vertices: scene.meshes.iter().map(|m| m.mesh.positions.len()).sum(),
+            ..LevelSummary::default()
+        };
+        Ok(Self {
+            chain: None,
+            rows: vec![row(0, &sum, glb.len())],
+            linked: Vec::new(),
             glbs: vec![glb],
         })
     }
@@ -65,22 +93,24 @@ impl LevelSet {
         let (mut rows, mut glbs) = (Vec::new(), Vec::new());
         for level in 0..chain.level_count() {
             let glb = glb(&chain.scene_at(scene, level))?;
-            let sum = chain.summary(scene, level);
-            let errors = [sum.max, sum.mean, sum.rms];
-            let of = |s: &[Seen]| {
-                level
-                    .checked_sub(1)
-                    .map_or(Some(0.0), |l| Some(s.get(l)?.flip))
+            let of = |s: &[Seen]| match level.checked_sub(1) {
+                Some(l) => Some(s.get(l)?.flip),
+                None => Some(0.0),
             };
             rows.push(Row {
-                switch_distance: sum.switch_distance,
                 flip: seen.and_then(of),
-                ..row(level, [sum.triangles, sum.vertices], glb.len(), errors)
+                ..row(level, &chain.summary(scene, level), glb.len())
             });
             glbs.push(glb);
         }
         let chain = Some(chain);
-        Ok(Self { chain, rows, glbs })
+        let linked = Vec::new();
+        Ok(Self {
+            chain,
+            rows,
+            linked,
+            glbs,
+        })
     }
 
     /// A level as a GLB.
@@ -93,9 +123,10 @@ impl LevelSet {
         if level >= self.rows.len() {
             return None;
         }
-        Some(match &self.chain {
-            Some(chain) => chain.scene_at(original, level),
-            None => original.clone(),
+        Some(match (&self.chain, self.linked.get(level)) {
+            (Some(chain), _) => chain.scene_at(original, level),
+            (None, Some(linked)) => linked.clone(),
+            (None, None) => original.clone(),
         })
     }
 
@@ -118,15 +149,18 @@ impl LevelSet {
     }
 }
 
-fn row(level: usize, [triangles, vertices]: [usize; 2], bytes: usize, errors: [f64; 3]) -> Row {
-    let [max, mean, rms] = errors;
+fn row(level: usize, sum: &LevelSummary, bytes: usize) -> Row {
     Row {
         level,
-        triangles,
-        vertices,
+        triangles: sum.triangles,
+        vertices: sum.vertices,
         bytes,
-        error: Errors { max, mean, rms },
-        switch_distance: 0.0,
+        error: Errors {
+            max: sum.max,
+            mean: sum.mean,
+            rms: sum.rms,
+        },
+        switch_distance: sum.switch_distance,
         flip: None,
     }
 }

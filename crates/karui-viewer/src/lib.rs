@@ -22,6 +22,7 @@ mod file;
 mod guard;
 mod job;
 mod levels;
+mod links;
 mod model;
 mod page;
 mod refusal;

@@ -43,7 +43,9 @@ impl Model {
     /// [`karui_io::Error`] if the scene is not valid, so that no page could show it.
     pub fn new(loaded: Loaded, origin: Origin) -> Result<Self, Error> {
         let Loaded { scene, warnings } = loaded;
-        let levels = Arc::new(LevelSet::of_original(&scene)?);
+        let levels = Arc::new(LevelSet::of_file(&scene)?);
+        // Stand-ins are levels from now on, and no part of the original.
+        let scene = levels.scene(&scene, 0).unwrap_or(scene);
         Ok(Self {
             bounds: scene.bounds(),
             scene: Arc::new(scene),

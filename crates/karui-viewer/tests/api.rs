@@ -103,6 +103,37 @@ fn levels_are_those_of_the_library() {
 }
 
 #[test]
+fn levels_that_a_file_brings_along_are_shown() {
+    let scene = torus();
+    let options = LodOptions {
+        levels: Levels::Ratios(vec![0.4, 0.05]),
+        ..LodOptions::default()
+    };
+    let chain = chain_scene(&scene, &options).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lods.glb");
+    karui_io::write(&path, &karui::lod::to_msft_lod(&scene, &chain).scene).unwrap();
+    let viewer = Running::of(&[path]);
+    let told = viewer.get("api/files/0").json();
+    assert_eq!(told["triangles"], scene.triangle_count());
+    for level in 0..3 {
+        let known = chain.summary(&scene, level);
+        let row = &told["levels"][level];
+        assert_eq!(row["triangles"], known.triangles);
+        let max = row["error"]["max"].as_f64().unwrap();
+        assert!((max - known.max).abs() <= 0.1 * known.max, "{row}");
+        let sent = viewer.get(&format!("api/files/0/level/{level}.glb"));
+        assert_eq!(read(&sent.body).triangle_count(), known.triangles);
+    }
+    let refused = viewer.get("api/files/0/heat/error.glb?level=1");
+    assert_eq!(refused.status, 422);
+    let job = viewer.send("POST", "api/files/0/lod", b"{}").json()["job"].clone();
+    assert_eq!(viewer.ended(job.as_u64().unwrap())["state"], "done");
+    let told = viewer.get("api/files/0").json();
+    assert_eq!(told["levels"][1]["triangles"], scene.triangle_count() / 2);
+}
+
+#[test]
 fn work_can_be_cancelled_and_leaves_levels_as_they_were() {
     let (_folder, path) = folder();
     let viewer = Running::of(&[path]);
@@ -131,7 +162,7 @@ fn nonsense_is_refused_in_words() {
     for body in [
         "",
         "{",
-        "[]",
+        "3",
         r#"{"levels":-1}"#,
         r#"{"taste":1}"#,
         r#"{"quality":"best"}"#,

@@ -1,6 +1,6 @@
 //! Which files there are, and what they hold.
 
-use crate::file::{Content, File};
+use crate::file::{Content, File, Origin};
 use crate::levels::Row;
 use crate::model::Model;
 use crate::refusal::Refusal;
@@ -64,6 +64,8 @@ pub struct OfModel {
     materials: usize,
     /// Size of the file.
     bytes: u64,
+    /// Whether it was dropped on the page rather than named.
+    dropped: bool,
     bounds: Bounds,
     diagonal: f64,
     /// What a length of 1 is, if the format says so.
@@ -112,11 +114,12 @@ fn of_model(id: usize, name: String, model: &Model) -> OfModel {
     let one = scene.meshes.len() == 1;
     OfModel {
         id,
-        triangles: scene.triangle_count(),
-        vertices: scene.meshes.iter().map(|m| m.mesh.positions.len()).sum(),
+        triangles: levels.rows.first().map_or(0, |row| row.triangles),
+        vertices: levels.rows.first().map_or(0, |row| row.vertices),
         meshes: scene.meshes.len(),
         materials: scene.materials.len(),
         bytes: model.bytes,
+        dropped: matches!(model.origin, Origin::Memory(_)),
         bounds: Bounds {
             min: model.bounds.min.to_array(),
             max: model.bounds.max.to_array(),

@@ -110,6 +110,10 @@ fn values(model: &Model, what: What, level: usize) -> Result<Arc<Vec<Vec<f32>>>,
 
 /// Distances to the original, world units.
 fn errors(model: &Model, levels: &LevelSet, level: usize) -> Result<Vec<Vec<f32>>, Refusal> {
+    if level > 0 && levels.chain.is_none() {
+        let message = "the file brought its levels along; make them here to see where they err";
+        return Err(Refusal::unusable(message));
+    }
     let of_mesh = |m: usize| {
         let original = &model.scene.meshes[m].mesh;
         let coarse = levels.mesh(&model.scene, m, level);

@@ -80,7 +80,7 @@ export class App implements Host {
 
   private bar(): HTMLElement {
     const copy = h('button', { type: 'button', title: 'Copy a link to this view (S)', onclick: () => void this.share() }, 'Link');
-    const help = h('button', { type: 'button', title: 'Keys (?)', onclick: () => this.help.open(this.keys) }, 'Keys');
+    const help = h('button', { type: 'button', class: 'only-large', title: 'Keys (?)', onclick: () => this.help.open(this.keys) }, 'Keys');
     const input = h('input', { type: 'file', hidden: true, onchange: () => input.files?.[0] && this.take(input.files[0]) });
     const open = h('button', { type: 'button', title: 'Open a model; or drop it on the page', onclick: () => input.click() }, 'Open');
     const sheet = h('button', { type: 'button', class: 'only-small', 'aria-expanded': 'false', onclick: () => this.toggle(sheet) }, 'Controls');

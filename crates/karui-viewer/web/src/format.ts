@@ -10,7 +10,7 @@ export function number(n: number): string {
   if (n === 0) return '0';
   if (!Number.isFinite(n)) return n > 0 ? '∞' : '-';
   const size = Math.abs(n);
-  if (size >= 1e6 || size < 1e-4) return n.toExponential(2).replace('e+', 'e');
+  if (size >= 1e6 || size < 1e-3) return n.toExponential(2).replace('e+', 'e');
   return String(Number(n.toPrecision(3)));
 }
 

@@ -6,6 +6,7 @@ import type { Host } from '../mode';
 import type { State } from '../state';
 import { Shelf, triangles } from '../view/load';
 import { dispose, paint, twin } from '../view/paint';
+import { mirrors, surround } from '../view/room';
 import { choose } from './choose';
 
 /** Heat maps that are pictures over the model rather than colours of its vertices. */
@@ -66,6 +67,7 @@ export class Display {
       this.level = level;
       this.triangles = triangles(front);
       this.repaint();
+      if (!this.front.environment && mirrors(front)) this.furnish();
     } catch (error) {
       if (request === this.request) this.asked = '';
       throw error;
@@ -117,6 +119,14 @@ export class Display {
     for (const scene of [this.front, this.back]) paint(scene, finish);
     this.arrange();
     for (const call of [...this.shown]) call();
+  }
+
+  /** After the first picture, which is to come at once. */
+  private furnish(): void {
+    setTimeout(() => {
+      for (const scene of [this.front, this.back]) surround(scene, this.host.stage.renderer);
+      this.host.stage.invalidate();
+    }, 50);
   }
 
   /** What is on the screen stays until there is something else to show. */

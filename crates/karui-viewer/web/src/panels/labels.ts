@@ -31,9 +31,9 @@ export class Labels {
     const at = compare === 'wipe' ? wipe : 0.5;
     this.element.style.setProperty('--at', `${100 * at}%`);
     this.handle.setAttribute('aria-valuenow', String(Math.round(100 * at)));
-    this.left.textContent = `Original, ${count(file.triangles)}`;
+    this.left.textContent = `Original: ${count(file.triangles)} triangles`;
     const row = file.levels[level];
-    this.right.textContent = row ? `${level ? `Level ${level}` : 'Original'}, ${count(row.triangles)}` : '';
+    this.right.textContent = row ? `${level ? `Level ${level}` : 'Original'}: ${count(row.triangles)}` : '';
   }
 
   private grab(event: PointerEvent): void {

@@ -30,7 +30,7 @@ export class LevelsPanel {
     this.tolerance = h('input', { type: 'range', min: '0', max: last, step: '1', oninput: pick });
     const limit = () => store.set({ auto: true, budget: Math.max(0, Math.round(Number(this.budget.value)) || 0) });
     this.budget = h('input', { type: 'number', min: '0', step: '1000', placeholder: 'any', onchange: limit });
-    const head = ['', 'triangles', 'size', 'max error', 'shown beyond'].map((t) => h('th', { scope: 'col' }, t));
+    const head = ['', 'triangles', 'size', 'max error', 'beyond'].map((t) => h('th', { scope: 'col', title: t === 'beyond' ? 'Distance beyond which it may be shown' : '' }, t));
     const slide = h('span', { class: 'slide' }, this.tolerance, this.told);
     const tolerance = field('Tolerance', slide, 'Largest error on the screen');
     this.tolerance.setAttribute('aria-label', 'Tolerance in pixels');

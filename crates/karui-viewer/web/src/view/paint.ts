@@ -99,7 +99,7 @@ function checker(flat: boolean): Material {
   const color = new Color();
   for (let y = 0; y < cells; y++) {
     for (let x = 0; x < cells; x++) {
-      const light = (x + y) % 2 ? 0.62 : 0.38;
+      const light = (x + y) % 2 ? 0.42 : 0.2;
       color.setHSL(0.55 + (0.5 * x) / cells, 0.35 + (0.4 * y) / cells, light);
       context.fillStyle = `#${color.getHexString()}`;
       context.fillRect(x * size, y * size, size, size);

@@ -74,7 +74,7 @@ export class Stage {
   /** Shows the whole from the front, a little from above. */
   frame(): void {
     const narrow = Math.min(1, this.aspect());
-    const distance = (1.02 * this.bounds.radius) / (Math.sin(MathUtils.degToRad(FOV) / 2) * narrow);
+    const distance = (0.98 * this.bounds.radius) / (Math.sin(MathUtils.degToRad(FOV) / 2) * narrow);
     this.camera.position.copy(this.bounds.center).addScaledVector(START, distance);
     this.controls.target.copy(this.bounds.center);
     this.controls.update();
