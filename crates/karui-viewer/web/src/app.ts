@@ -127,9 +127,10 @@ export class App implements Host {
       this.list(await api.state());
       this.file ??= await api.summary(id);
       this.pick(id);
-      this.toasts.clear();
     } catch (error) {
       this.fail(error);
+    } finally {
+      this.toasts.clear();
     }
   }
 

@@ -65,6 +65,7 @@ export class ModelMode implements Mode {
     const make = (this.make = new MakePanel(host, display, () => this.renew()));
     const heat = new HeatPanel(host, display);
     const strip = new Strip(host, display, () => make.start());
+    make.tell.add((line) => strip.work(line));
     const parts = [new LevelsPanel(host, display), new LookPanel(host, display), heat, new StatsPanel(host, display), new Labels(host, display)];
     const flip = new FlipLayer(host, display, (mean) => heat.setMean(mean));
     const [levels, look, , stats] = parts.map((part) => part.element);

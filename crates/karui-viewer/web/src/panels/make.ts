@@ -31,6 +31,8 @@ export class MakePanel {
   private readonly stop = h('button', { type: 'button', hidden: true, onclick: () => this.cancel() }, 'Cancel');
   private readonly bar = h('progress', { max: 1, value: 0, hidden: true, 'aria-label': 'Progress' });
   private readonly told = h('output', { class: 'told' });
+  /** Called with how the work goes, and with nothing once it is over. */
+  readonly tell = new Set<(line: string) => void>();
   private job: number | undefined;
   private closed = false;
 
@@ -85,7 +87,7 @@ export class MakePanel {
     while (!this.closed) {
       const job = await api.job(id);
       this.bar.value = job.fraction;
-      this.told.textContent = `${job.stage}, ${percent(Math.round(100 * job.fraction) / 100)}`;
+      this.say(`${job.stage}, ${percent(Math.round(100 * job.fraction) / 100)}`);
       if (job.state === 'failed') throw new Error(job.error ?? 'the work failed');
       if (job.state === 'cancelled') return this.host.say('Cancelled; the levels are as before.');
       if (job.state === 'done') return this.done();
@@ -97,10 +99,15 @@ export class MakePanel {
     if (this.job !== undefined) api.cancel(this.job).catch((error: Error) => this.host.say(error.message, 'error'));
   }
 
+  private say(line: string): void {
+    this.told.textContent = line;
+    this.tell.forEach((call) => call(line));
+  }
+
   private working(on: boolean): void {
     this.go.disabled = on;
     this.stop.hidden = this.bar.hidden = !on;
-    this.told.textContent = on ? 'starting' : '';
+    this.say(on ? 'starting' : '');
     if (on) this.bar.value = 0;
   }
 }

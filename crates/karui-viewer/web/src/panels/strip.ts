@@ -14,6 +14,8 @@ export class Strip {
   private readonly auto: HTMLButtonElement;
   private readonly levels: HTMLElement;
   private readonly none: HTMLElement;
+  private readonly why = h('span', { class: 'told' });
+  private readonly button: HTMLButtonElement;
 
   constructor(
     private readonly host: Host,
@@ -23,8 +25,9 @@ export class Strip {
     const flip = () => host.store.set({ auto: !host.store.state.auto, level: display.level });
     this.auto = h('button', { type: 'button', title: 'Let the distance choose (A)', onclick: flip }, 'By distance');
     this.levels = h('div', { class: 'levels' }, this.auto, h('div', { class: 'slide' }, this.slider, this.ticks));
-    const button = h('button', { type: 'button', class: 'main', onclick: make }, 'Make levels');
-    this.none = h('div', { class: 'levels' }, h('span', { class: 'told' }, 'This model has one level: the original.'), button);
+    this.button = h('button', { type: 'button', class: 'main', onclick: make }, 'Make levels');
+    this.none = h('div', { class: 'levels' }, this.why, this.button);
+    this.work('');
     this.element = h('div', { class: 'lods' }, this.levels, this.none, this.text);
   }
 
@@ -39,6 +42,12 @@ export class Strip {
     const names = levels.map((l) => (l.level === 0 ? 'original' : count(l.triangles)));
     if (this.ticks.textContent !== names.join('')) this.ticks.replaceChildren(...names.map((n) => h('span', {}, n)));
     this.text.textContent = this.line();
+  }
+
+  /** How the making of levels goes; nothing if none are made. */
+  work(line: string): void {
+    this.why.textContent = line ? `Making levels: ${line}` : 'This model has one level: the original.';
+    this.button.hidden = line !== '';
   }
 
   private line(): string {

@@ -17,7 +17,8 @@ export class Toasts {
     if (kind === 'note') setTimeout(() => line.remove(), NOTE_STAYS);
   }
 
+  /** Takes notes away; errors stay until they are dismissed. */
   clear(): void {
-    this.element.replaceChildren();
+    this.element.querySelectorAll('.note').forEach((note) => note.remove());
   }
 }

@@ -58,7 +58,7 @@ export function twin<T extends Object3D>(root: T): T {
 function materialOf(mesh: Mesh, { look, flat, heat }: Finish): Material | Material[] {
   const read = own(mesh);
   if (heat) return shared(`heat${flat}`, () => new MeshLambertMaterial({ vertexColors: true, flatShading: flat, side: DoubleSide }));
-  if (look === 'normals') return shared(`normals${flat}`, () => new MeshNormalMaterial({ flatShading: flat, side: DoubleSide }));
+  if (look === 'normals') return shared(`normals${flat}`, () => normals(flat));
   if (look === 'uv') return mesh.geometry.hasAttribute('uv') ? shared(`uv${flat}`, () => checker(flat)) : clay(flat);
   if (look === 'clay') return clay(flat);
   return Array.isArray(read) ? read.map((m) => shaded(m, flat)) : shaded(read, flat);
@@ -76,6 +76,16 @@ function shared<T extends Material>(name: string, make: () => T): Material {
 export function clay(flat: boolean): Material {
   const make = () => new MeshStandardMaterial({ color: 0xb9bdc6, roughness: 0.62, metalness: 0, flatShading: flat, side: DoubleSide });
   return shared(`clay${flat}`, make);
+}
+
+/** Normals as colours; backs, which should not be seen of a closed surface, are orange. */
+function normals(flat: boolean): Material {
+  const material = new MeshNormalMaterial({ flatShading: flat, side: DoubleSide });
+  const back = 'if (!gl_FrontFacing) gl_FragColor = vec4(0.95, 0.45, 0.1, 1.0);\n}';
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(/}\s*$/, back);
+  };
+  return material;
 }
 
 /** The same material, flat or not; its other half is made once. */
