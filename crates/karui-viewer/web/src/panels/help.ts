@@ -20,7 +20,8 @@ export class Help {
     const row = ([key, what]: readonly [string, string]) => h('tr', {}, h('th', { scope: 'row' }, h('kbd', {}, key)), h('td', {}, what));
     const close = h('button', { type: 'button', onclick: () => this.dialog.close() }, 'Close');
     const table = h('table', {}, h('tbody', {}, ...[...keys, ...COMMON].map(row)));
-    this.dialog.replaceChildren(h('h2', { id: 'help-title' }, 'Keys'), table, close);
+    const licenses = h('a', { class: 'button', href: 'assets/licenses.txt', target: '_blank', rel: 'noopener' }, 'Licences');
+    this.dialog.replaceChildren(h('h2', { id: 'help-title' }, 'Keys'), table, h('div', { class: 'ends' }, close, licenses));
     if (!this.dialog.isConnected) document.body.append(this.dialog);
     this.dialog.showModal();
   }
