@@ -13,6 +13,8 @@ const KEPT: usize = 64;
 pub struct Job {
     /// File it works on.
     file: usize,
+    /// What is to be done, in words that are the same for the same work.
+    what: String,
     /// Bits of an `f32`.
     fraction: AtomicU32,
     cancelled: AtomicBool,
@@ -48,10 +50,11 @@ pub struct Report {
 }
 
 impl Job {
-    fn new(file: usize) -> Self {
+    fn new(file: usize, what: &str) -> Self {
         let (stage, outcome) = ("waiting", None);
         Self {
             file,
+            what: what.to_owned(),
             fraction: AtomicU32::new(0),
             cancelled: AtomicBool::new(false),
             state: Mutex::new(State { stage, outcome }),
@@ -60,6 +63,11 @@ impl Job {
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether it will end as it should, as far as one knows.
+    fn goes_on(&self) -> bool {
+        self.state().outcome.is_none() && !self.cancelled()
     }
 
     /// Ends the work at its next step.
@@ -118,18 +126,23 @@ impl Jobs {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A new job on a file; one that still works on it is told to end.
-    pub fn begin(&self, file: usize) -> (usize, Arc<Job>) {
+    /// A new job on a file, to be done by the caller; another that still works on it is told
+    /// to end. The number alone if the very same work goes on already: two pages may ask.
+    pub fn begin(&self, file: usize, what: &str) -> (usize, Option<Arc<Job>>) {
         let mut all = self.all();
+        let same = |job: &Arc<Job>| job.file == file && job.what == what && job.goes_on();
+        if let Some(at) = all.kept.iter().position(same) {
+            return (all.begun - all.kept.len() + at, None);
+        }
         let of_file = all.kept.iter().filter(|job| job.file == file);
         of_file.for_each(|job| job.cancel());
         if all.kept.len() == KEPT {
             all.kept.remove(0).cancel();
         }
-        let job = Arc::new(Job::new(file));
+        let job = Arc::new(Job::new(file, what));
         all.kept.push(Arc::clone(&job));
         all.begun += 1;
-        (all.begun - 1, job)
+        (all.begun - 1, Some(job))
     }
 
     /// The job of a number, if it is remembered.
@@ -152,9 +165,13 @@ mod tests {
     #[test]
     fn a_later_job_ends_an_earlier_one_on_the_same_file() {
         let jobs = Jobs::default();
-        let (_, first) = jobs.begin(0);
-        let (_, other) = jobs.begin(1);
-        let (id, second) = jobs.begin(0);
+        let begin = |file, what| {
+            let (id, job) = jobs.begin(file, what);
+            (id, job.unwrap())
+        };
+        let (_, first) = begin(0, "a");
+        let (_, other) = begin(1, "a");
+        let (id, second) = begin(0, "b");
         assert!(first.cancelled() && !other.cancelled() && !second.cancelled());
         assert!(Arc::ptr_eq(&jobs.get(id).unwrap(), &second));
         jobs.cancel_all();
@@ -162,10 +179,20 @@ mod tests {
     }
 
     #[test]
+    fn the_same_work_is_done_once_at_a_time() {
+        let jobs = Jobs::default();
+        let (id, job) = jobs.begin(0, "a");
+        assert!(matches!(jobs.begin(0, "a"), (same, None) if same == id));
+        job.unwrap().end(Outcome::Done);
+        assert!(matches!(jobs.begin(0, "a"), (other, Some(_)) if other != id));
+    }
+
+    #[test]
     fn old_jobs_are_forgotten() {
         let jobs = Jobs::default();
-        let (first, job) = jobs.begin(0);
-        (1..=KEPT).for_each(|file| drop(jobs.begin(file)));
+        let (first, job) = jobs.begin(0, "");
+        let job = job.unwrap();
+        (1..=KEPT).for_each(|file| drop(jobs.begin(file, "")));
         assert!(jobs.get(first).is_none() && job.cancelled());
         assert!(jobs.get(1).is_some() && jobs.get(KEPT).is_some());
         assert!(jobs.get(KEPT + 1).is_none());
@@ -173,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_job_tells_how_it_goes() {
-        let job = Job::new(0);
+        let job = Job::new(0, "");
         Progress::report(&job, "levels", 0.5);
         let told = job.report();
         assert_eq!(

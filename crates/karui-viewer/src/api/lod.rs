@@ -84,7 +84,11 @@ pub async fn make(
     let file = shared.file(id)?;
     file.model()?;
     let kind = request.saliency.as_deref().map(str::parse).transpose()?;
-    let (number, job) = shared.jobs.begin(id);
+    let (number, job) = shared.jobs.begin(id, &format!("{request:?}"));
+    let accepted = (StatusCode::ACCEPTED, Json(json!({ "job": number })));
+    let Some(job) = job else {
+        return Ok(accepted);
+    };
     tokio::task::spawn_blocking(move || {
         let made = file.model().and_then(|model| {
             let levels = work(model, &request, kind, &job)?;
@@ -99,7 +103,7 @@ pub async fn make(
             Err(refusal) => Outcome::Failed(refusal.message().to_owned()),
         });
     });
-    Ok((StatusCode::ACCEPTED, Json(json!({ "job": number }))))
+    Ok(accepted)
 }
 
 fn work(
