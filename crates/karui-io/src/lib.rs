@@ -24,13 +24,15 @@
 //!
 //! [`slices`] reads models that are larger than memory.
 //!
-//! [`decode_image`] and [`encode_png`] are for pictures, [`HeightRows`] for height maps.
+//! [`decode_image`] and [`encode_png`] are for pictures, [`HeightRows`] for height maps,
+//! [`CameraPath`] is where a model is looked at from.
 //!
 //! Readers never panic and reserve no memory on the word of a header; every
 //! error names the file, the place and what was expected there. Writers leave
 //! either every file complete or none at all.
 
 mod atomic;
+mod camera_path;
 mod color;
 mod control;
 mod error;
@@ -52,6 +54,7 @@ mod warnings;
 mod write;
 
 pub use atomic::Written;
+pub use camera_path::{CameraOfPath, CameraPath, FrameOfPath, LightOfPath};
 pub use control::{LoadedControl, read_control, read_control_bytes};
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;

@@ -1,7 +1,7 @@
 //! Frames of a path: where they are seen from, and the files that come of them.
 
-use super::path::CameraPath;
 use crate::console::Console;
+use crate::failure::Failure;
 use crate::input::Input;
 use crate::output::Staged;
 use crate::progress::check_cancelled;
@@ -10,8 +10,8 @@ use anyhow::{Context as _, Result};
 use karui::geom::{Aabb, Camera, Light};
 use karui::render::{Model, Outputs, Picture, RenderOptions, Renderer};
 use karui::{Scene, TriMesh};
-use karui_io::WriteOptions;
-use std::path::PathBuf;
+use karui_io::{CameraPath, WriteOptions};
+use std::path::{Path, PathBuf};
 
 /// From where frames are seen, and what is written of them.
 #[derive(Debug, clap::Args)]
@@ -43,10 +43,17 @@ impl FramesArgs {
     /// The path that was asked for: of a file, else once around `bounds`.
     pub fn path(&self, bounds: Aabb) -> Result<CameraPath> {
         match &self.path {
-            Some(path) => CameraPath::read(path),
+            Some(path) => read_path(path),
             None => Ok(CameraPath::around(bounds, self.around)),
         }
     }
+}
+
+/// A path from a JSON file.
+pub fn read_path(path: &Path) -> Result<CameraPath> {
+    let hint = "docs/hierarchy.md shows what a path looks like";
+    let read = CameraPath::read(path);
+    Ok(read.map_err(|e| Failure::input(e.to_string()).hint(hint))?)
 }
 
 /// The files of all frames, on their way.
@@ -85,7 +92,7 @@ impl<'a> Frames<'a> {
         for (i, frame) in path.frames.iter().enumerate() {
             check_cancelled()?;
             progress.report(stage, i as f32 / path.frames.len() as f32);
-            let resolved = frame.resolve();
+            let resolved = frame.resolve().map_err(Into::into);
             let row = resolved.and_then(|(camera, lights)| step(i, camera, lights));
             rows.push(row.with_context(|| format!("frame {i}"))?);
         }

@@ -5,7 +5,6 @@ mod build;
 mod clusters;
 mod criteria;
 mod frames;
-mod path;
 mod refine;
 
 use crate::console::Console;

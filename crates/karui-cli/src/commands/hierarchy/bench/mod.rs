@@ -27,6 +27,9 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1200,
           value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     frames: u32,
+    /// Walk along a path of cameras and lights instead, as JSON (`karui view` records them)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "sizes", "check", "paper"])]
+    path: Option<PathBuf>,
     /// Instead: random walks of N frames, every one checked
     #[arg(long, value_name = "N", conflicts_with_all = ["paper", "sizes"])]
     check: Option<u32>,

@@ -2,15 +2,18 @@
 
 use super::{Args, quantile, two_lights};
 use crate::commands::bench::page::machine;
+use crate::commands::hierarchy::frames::read_path;
 use crate::commands::hierarchy::{build, read_mesh};
 use crate::console::{Console, to_stderr};
+use crate::failure::Failure;
 use crate::progress::check_cancelled;
 use crate::table::{count, table};
 use anyhow::Result;
 use karui::TriMesh;
-use karui::geom::{Camera, turntable_directions};
+use karui::geom::{Aabb, Camera, Light, turntable_directions};
 use karui::hierarchy::{Budget, Change, Hierarchy};
 use karui::mesh::shapes;
+use karui_io::FrameOfPath;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -89,18 +92,32 @@ fn of_mesh(name: &str, mesh: &TriMesh, path: &Path, args: &Args, console: &Conso
 
 /// Every frame but the first, which comes from nowhere; and the size of the front.
 fn walked(hierarchy: &Hierarchy, args: &Args) -> Result<(Vec<Change>, usize)> {
-    let bounds = hierarchy.bounds();
-    let lights = two_lights(bounds);
     let mut cut = hierarchy.coarsest();
     let mut changes = Vec::new();
-    for direction in turntable_directions(args.frames, 0.3) {
+    for (camera, lights) in views(hierarchy.bounds(), args)? {
         check_cancelled()?;
-        let camera = Camera::looking_at(bounds, direction, 0.6);
-        let criteria = args.criteria.resolve(camera, lights.clone(), SCREEN);
+        let criteria = args.criteria.resolve(camera, lights, SCREEN);
         changes.push(cut.refine(&criteria, Budget::UNLIMITED)?);
     }
     changes.remove(0);
     Ok((changes, cut.front_len()))
+}
+
+/// Cameras and lights of the walk.
+fn views(bounds: Aabb, args: &Args) -> Result<Vec<(Camera, Vec<Light>)>> {
+    if let Some(path) = &args.path {
+        let frames = read_path(path)?.frames;
+        if frames.len() < 2 {
+            let few = format!("{}: a walk has two frames at least", path.display());
+            return Err(Failure::input(few).into());
+        }
+        let views = frames.iter().map(FrameOfPath::resolve);
+        return Ok(views.collect::<karui::Result<_>>()?);
+    }
+    let lights = two_lights(bounds);
+    let view = |direction| (Camera::looking_at(bounds, direction, 0.6), lights.clone());
+    let directions = turntable_directions(args.frames, 0.3);
+    Ok(directions.into_iter().map(view).collect())
 }
 
 /// Slope of the line of least squares through `[x, y]`, and Pearson's correlation.
@@ -117,7 +134,13 @@ fn line(pairs: &[[f64; 2]]) -> (f64, f64) {
 }
 
 fn markdown(rows: &[Row], args: &Args) -> String {
-    let frames = args.frames;
+    let walk = match &args.path {
+        Some(path) => format!("along `{}`, 1920 x 1080 pixels", path.display()),
+        None => format!(
+            "once around in {} frames, 1920 x 1080 pixels, two lights that stand still",
+            args.frames
+        ),
+    };
     let (alpha, criteria) = (args.build.alpha, &args.criteria);
     let header = [
         "model",
@@ -139,7 +162,7 @@ fn markdown(rows: &[Row], args: &Args) -> String {
         "## Half-edge hierarchies, frame by frame{}\n\n\
          Written by `karui hierarchy bench FILES --sizes N,N -o FILE` (release build).\n\n\
          - M/s: million triangles built a second. B/node: bytes of the nodes and their order.\n\
-         - The walk: once around in {frames} frames, 1920 x 1080 pixels, two lights that stand still,\n\
+         - The walk: {walk},\n\
          \u{20} alpha {alpha}, {criteria}. Medians over all frames but the first: triangles\n\
          \u{20} drawn, nodes asked, nodes changed, milliseconds of `refine`; front: nodes that could be\n\
          \u{20} the next to change.\n\

@@ -1,7 +1,6 @@
 //! Cameras and lights frame by frame, from JSON or made up.
 
-use crate::failure::Failure;
-use anyhow::Result;
+use crate::error::{Error, ErrorKind, Place, Result};
 use karui::geom::{Aabb, Camera, Light, Projection, Vec3, turntable_directions};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -10,6 +9,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraPath {
+    /// The frames, in order.
     pub frames: Vec<FrameOfPath>,
 }
 
@@ -17,7 +17,9 @@ pub struct CameraPath {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrameOfPath {
+    /// Where it is seen from.
     pub camera: CameraOfPath,
+    /// What shines on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<LightOfPath>>,
 }
@@ -26,17 +28,23 @@ pub struct FrameOfPath {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraOfPath {
+    /// Where it stands, model units.
     pub eye: [f32; 3],
+    /// A point in the middle of the picture, model units.
     pub target: [f32; 3],
+    /// What is up in the picture. Default: y.
     #[serde(default = "upwards")]
     pub up: [f32; 3],
-    /// Vertical field of view; none for a picture as high as `height`.
+    /// Vertical field of view, degrees, unless there is a `height`. Default: 30.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov: Option<f32>,
+    /// Without perspective: height of the picture, model units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<f32>,
+    /// Distance before which nothing is seen, model units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<f32>,
+    /// Distance beyond which nothing is seen, model units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f32>,
 }
@@ -45,17 +53,25 @@ pub struct CameraOfPath {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "lowercase", tag = "type")]
 pub enum LightOfPath {
+    /// From infinitely far away.
     Directional {
+        /// Where the light goes to; of any length.
         direction: [f32; 3],
+        /// Linear RGB.
         #[serde(default = "white")]
         color: [f32; 3],
+        /// Factor to the colour.
         #[serde(default = "one")]
         intensity: f32,
     },
+    /// From a point, falling off with the squared distance.
     Point {
+        /// Where it is, model units.
         position: [f32; 3],
+        /// Linear RGB.
         #[serde(default = "white")]
         color: [f32; 3],
+        /// Factor to the colour at a distance of one model unit.
         #[serde(default = "one")]
         intensity: f32,
     },
@@ -75,18 +91,36 @@ fn one() -> f32 {
 
 impl CameraPath {
     /// Reads a path from a JSON file.
-    pub fn read(path: &Path) -> Result<Self> {
-        let fail = |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|e| fail(&e))?;
-        let hint = "docs/hierarchy.md shows what a path looks like";
-        let read: Self = serde_json::from_str(&text).map_err(|e| fail(&e).hint(hint))?;
-        if read.frames.is_empty() {
-            return Err(fail(&"the path has no frames").hint(hint).into());
+    ///
+    /// # Errors
+    /// [`Error`] with the line, if it is no path, or one without frames.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text = std::fs::read(path).map_err(|e| Error::file(path, ErrorKind::Io(e)))?;
+        Self::parse(&text).map_err(|e| e.in_file(path))
+    }
+
+    /// A path that lies in memory as JSON.
+    ///
+    /// # Errors
+    /// As [`CameraPath::read`].
+    pub fn parse(text: &[u8]) -> Result<Self> {
+        let expected = "a path of cameras in JSON";
+        let read: Self = serde_json::from_slice(text).map_err(|e| {
+            let kind = ErrorKind::syntax(expected, e.to_string());
+            Error::new(Place::Line(e.line() as u64), kind)
+        })?;
+        match read.frames.is_empty() {
+            false => Ok(read),
+            true => Err(Error::new(
+                Place::File,
+                ErrorKind::syntax(expected, "one without frames"),
+            )),
         }
-        Ok(read)
     }
 
     /// Once around what is within `bounds`, in that many frames.
+    #[must_use]
     pub fn around(bounds: Aabb, frames: u32) -> Self {
         let camera = |direction| {
             let camera = Camera::looking_at(bounds, direction, 30f32.to_radians());
@@ -114,7 +148,10 @@ impl CameraPath {
 
 impl FrameOfPath {
     /// The camera and lights of the frame.
-    pub fn resolve(&self) -> Result<(Camera, Vec<Light>)> {
+    ///
+    /// # Errors
+    /// [`karui::Error::BadOption`] if lights are to go with a camera that looks nowhere.
+    pub fn resolve(&self) -> karui::Result<(Camera, Vec<Light>)> {
         let camera = self.camera.resolve();
         let lights = match &self.lights {
             Some(lights) => lights.iter().map(LightOfPath::resolve).collect(),
@@ -125,7 +162,9 @@ impl FrameOfPath {
 }
 
 impl CameraOfPath {
-    fn resolve(&self) -> Camera {
+    /// As the library knows cameras.
+    #[must_use]
+    pub fn resolve(&self) -> Camera {
         let projection = match (self.height, self.fov) {
             (Some(height), _) => Projection::Orthographic { height },
             (None, fov) => Projection::Perspective {
@@ -144,7 +183,9 @@ impl CameraOfPath {
 }
 
 impl LightOfPath {
-    fn resolve(&self) -> Light {
+    /// As the library knows lights.
+    #[must_use]
+    pub fn resolve(&self) -> Light {
         match *self {
             Self::Directional {
                 direction,
@@ -187,11 +228,13 @@ mod tests {
     fn what_is_left_out_is_filled_in() {
         let text = r#"{"frames":[{"camera":{"eye":[0,0,3],"target":[0,0,0]},
             "lights":[{"type":"point","position":[1,2,3]}]}]}"#;
-        let path: CameraPath = serde_json::from_str(text).expect("reads");
+        let path = CameraPath::parse(text.as_bytes()).expect("reads");
         let (camera, lights) = path.frames[0].resolve().expect("resolves");
         assert_eq!(camera.up, Vec3::Y);
         assert!(matches!(lights[..], [Light::Point { intensity: 1.0, .. }]));
         let typo = text.replace("target", "targte");
-        assert!(serde_json::from_str::<CameraPath>(&typo).is_err());
+        let wrong = CameraPath::parse(typo.as_bytes()).expect_err("refused");
+        assert!(wrong.to_string().contains("targte"), "{wrong}");
+        assert!(CameraPath::parse(br#"{"frames":[]}"#).is_err());
     }
 }

@@ -1,0 +1,172 @@
+//! The route of live refinement: a socket, and a thread that works for it.
+
+use super::desk::{Desk, Outgoing};
+use super::{ClusterSession, HalfEdgeSession, Session};
+use crate::file::File;
+use crate::refusal::Refusal;
+use crate::shared::Shared;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::{Path, Query, State};
+use axum::http::StatusCode;
+use axum::response::Response;
+use karui::geom::Aabb;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use std::time::Instant;
+use tokio::sync::OwnedSemaphorePermit;
+use tokio::sync::mpsc::channel;
+
+/// Largest message of a page, bytes.
+const MAX_MESSAGE: usize = 64 << 10;
+
+/// Sockets at a time: each holds about 44 bytes a triangle.
+pub const MAX_SESSIONS: usize = 16;
+
+/// Which refinement.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LiveKind {
+    /// The half-edge hierarchy.
+    HalfEdge,
+    /// The graph of clusters.
+    Clusters,
+}
+
+/// `?kind=` of an address.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub struct Asked {
+    kind: LiveKind,
+}
+
+/// `api/files/N/live?kind=half-edge|clusters`.
+pub async fn live(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<usize>,
+    Query(Asked { kind }): Query<Asked>,
+    socket: WebSocketUpgrade,
+) -> Result<Response, Refusal> {
+    let file = shared.file(id)?;
+    file.model()?;
+    open(&shared, socket, move |desk| refine(&file, kind, desk))
+}
+
+/// Opens a socket that `work` answers, in a thread of its own. What it returns is told to the
+/// page.
+pub(crate) fn open(
+    shared: &Shared,
+    socket: WebSocketUpgrade,
+    work: impl FnOnce(&Desk) -> Result<(), Refusal> + Send + 'static,
+) -> Result<Response, Refusal> {
+    let permit = Arc::clone(&shared.sessions).try_acquire_owned();
+    let permit = permit.map_err(|_| {
+        let message = format!("{MAX_SESSIONS} pages are refined for already; close one");
+        Refusal::new(StatusCode::SERVICE_UNAVAILABLE, message)
+    })?;
+    let socket = socket.max_message_size(MAX_MESSAGE);
+    Ok(socket.on_upgrade(|socket| converse(socket, work, permit)))
+}
+
+/// Tells the thread that the page has gone, whatever ends the conversation.
+struct AtDesk(Arc<Desk>);
+
+impl Drop for AtDesk {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+async fn converse(
+    mut socket: WebSocket,
+    work: impl FnOnce(&Desk) -> Result<(), Refusal> + Send + 'static,
+    permit: OwnedSemaphorePermit,
+) {
+    let (out, mut answers) = channel(4);
+    let desk = AtDesk(Arc::new(Desk::new(out)));
+    let at_work = Arc::clone(&desk.0);
+    let worker = tokio::task::spawn_blocking(move || {
+        if let Err(refusal) = work(&at_work) {
+            at_work.tell(&json!({ "error": refusal.message(), "fatal": true }));
+        }
+        drop(permit);
+    });
+    let talk = async {
+        loop {
+            tokio::select! {
+                message = socket.recv() => match message {
+                    Some(Ok(Message::Text(text))) => desk.0.put(text.to_string()),
+                    // Nothing else is a message; that it is none is told in order.
+                    Some(Ok(Message::Binary(_))) => desk.0.put("bytes".to_owned()),
+                    Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
+                    Some(Ok(Message::Close(_)) | Err(_)) | None => break,
+                },
+                answer = answers.recv() => {
+                    let message = match answer {
+                        Some(Outgoing::Text(text)) => Message::Text(text.into()),
+                        Some(Outgoing::Frame(bytes)) => Message::Binary(bytes.into()),
+                        None => break,
+                    };
+                    if socket.send(message).await.is_err() {
+                        break;
+                    }
+                }
+            }
+        }
+    };
+    talk.await;
+    drop(answers);
+    drop(desk);
+    // Also if it has panicked: then there is nothing left to say.
+    let _ended = worker.await;
+}
+
+fn refine(file: &File, kind: LiveKind, desk: &Desk) -> Result<(), Refusal> {
+    let model = file.model()?;
+    let whole = model.prepared.mesh(&model.scene)?;
+    let (mesh, geometry) = &*whole;
+    let started = Instant::now();
+    let ready = |more: Value| {
+        let Aabb { min, max } = geometry.bounds();
+        let mut ready = json!({
+            "triangles": geometry.triangle_count(), "vertices": geometry.vertex_count(),
+            "bounds": { "min": min.to_array(), "max": max.to_array() },
+            "seconds": started.elapsed().as_secs_f64(),
+        });
+        if let (Some(all), Value::Object(more)) = (ready.as_object_mut(), more) {
+            all.extend(more);
+        }
+        desk.tell(&json!({ "ready": ready }));
+    };
+    match kind {
+        LiveKind::HalfEdge => {
+            let hierarchy = model.prepared.half_edge(mesh, desk)?;
+            let session = HalfEdgeSession::new(geometry, &hierarchy)?;
+            ready(json!({
+                "kind": "half-edge", "nodes": hierarchy.node_count(),
+                "coarsest": hierarchy.counts().coarsest,
+            }));
+            answer_all(session, desk);
+        }
+        LiveKind::Clusters => {
+            let dag = model.prepared.clusters(mesh, desk)?;
+            let session = ClusterSession::new(geometry, &dag)?;
+            let most = dag.clusters().iter().map(|c| c.triangles).max();
+            ready(json!({
+                "kind": "clusters", "clusters": dag.clusters().len(), "levels": dag.levels(),
+                "coarsest": dag.triangles_of_roots(), "slot": most.unwrap_or(0),
+            }));
+            answer_all(session, desk);
+        }
+    }
+    Ok(())
+}
+
+/// Answers until the page has gone.
+pub(crate) fn answer_all(mut session: impl Session, desk: &Desk) {
+    while let Some(message) = desk.take() {
+        match session.answer(&message) {
+            Ok(frame) => desk.send(Outgoing::Frame(frame)),
+            Err(error) => desk.fail(&error),
+        }
+    }
+}

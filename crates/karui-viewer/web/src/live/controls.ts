@@ -1,0 +1,65 @@
+// Sliders over wide ranges.
+
+import { field, h } from '../dom';
+import { number } from '../format';
+
+/** A number that is chosen by a slider. */
+export interface Knob {
+  label: string;
+  unit: string;
+  hint?: string;
+  from: number;
+  to: number;
+  /** Equal ways are equal factors; `from` is more than 0 then. */
+  log?: boolean;
+  step?: number;
+  value: number;
+}
+
+/** A slider with what it says beside it. */
+export function slider(knob: Knob, change: (value: number) => void): HTMLElement {
+  const { from, to, log, unit } = knob;
+  const place = (v: number): number => (log ? (1000 * Math.log(v / from)) / Math.log(to / from) : v);
+  const value = (p: number): number => (log ? Number((from * (to / from) ** (p / 1000)).toPrecision(3)) : p);
+  const told = h('output', {});
+  const input = h('input', {
+    type: 'range',
+    min: String(log ? 0 : from),
+    max: String(log ? 1000 : to),
+    step: String(log ? 1 : (knob.step ?? (to - from) / 200)),
+    value: String(place(knob.value)),
+    oninput: () => {
+      show();
+      change(value(Number(input.value)));
+    },
+  });
+  const show = (): void => {
+    told.textContent = `${number(value(Number(input.value)))} ${unit}`;
+    input.setAttribute('aria-valuetext', told.textContent);
+  };
+  show();
+  const row = field(knob.label, input, knob.hint);
+  row.append(told);
+  return row;
+}
+
+/** Names and values in two columns. */
+export class Facts {
+  readonly element = h('dl', { class: 'stats' });
+  private readonly values = new Map<string, HTMLElement>();
+
+  set(name: string, value: string): void {
+    let place = this.values.get(name);
+    if (!place) {
+      place = h('dd', {});
+      this.values.set(name, place);
+      this.element.append(h('dt', {}, name), place);
+    }
+    place.textContent = value;
+  }
+
+  clear(): void {
+    this.values.clear();
+    this.element.replaceChildren();
+  }
+}
