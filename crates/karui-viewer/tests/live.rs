@@ -150,7 +150,9 @@ fn clusters_are_the_librarys_cut_along_a_path() {
         let mut page = Page::default();
         for (seq, look) in (1..).zip(walk(&mesh)) {
             let options = json!({ "options": { "threshold": 0.8 } });
-            let frame = session.answer(&look.message(seq, &options)).expect("answers");
+            let frame = session
+                .answer(&look.message(seq, &options))
+                .expect("answers");
             page.apply(&frame);
             let view = View {
                 height: SIZE[1] as f32,
@@ -187,7 +189,10 @@ fn a_budget_of_clusters_is_kept_with_the_librarys_cut_of_the_threshold_told() {
             ..View::new(look.sent())
         };
         let cut = dag.cut(&view).expect("cuts");
-        assert!(page.triangles() == corners(&mesh, cut.triangles()), "{most}");
+        assert!(
+            page.triangles() == corners(&mesh, cut.triangles()),
+            "{most}"
+        );
         let kept = cut.triangle_count() <= most || cut.triangle_count() <= dag.triangles_of_roots();
         assert!(kept, "{most}: {}", cut.triangle_count());
         assert_eq!(word(&frame, 3) & FLAG_TRUNCATED != 0, threshold > 0.05);
@@ -210,7 +215,8 @@ fn a_budget_of_half_edges_is_kept() {
         page.apply(&session.answer(&look.message(seq, &more)).expect("answers"));
         let mut cut = hierarchy.coarsest();
         let criteria = look.criteria(4.0);
-        cut.refine(&criteria, Budget::triangles(2000)).expect("refines");
+        cut.refine(&criteria, Budget::triangles(2000))
+            .expect("refines");
         let expected = corners(&mesh, cut.triangles().into_iter().map(|t| t.1));
         assert!(page.triangles() == expected && expected.len() <= 2000);
     }
@@ -289,10 +295,18 @@ fn hostile(look: &Look) -> Vec<String> {
 fn stands_fast(session: &mut dyn Session, mesh: &TriMesh, wrong: &[Value]) {
     let looks = walk(mesh);
     let mut page = Page::default();
-    page.apply(&session.answer(&looks[0].message(7, &json!({}))).expect("answers"));
+    page.apply(
+        &session
+            .answer(&looks[0].message(7, &json!({})))
+            .expect("answers"),
+    );
     let before = page.triangles();
     let mut bad = hostile(&looks[1]);
-    bad.extend(wrong.iter().map(|w| looks[1].message(60, &json!({ "options": w }))));
+    bad.extend(
+        wrong
+            .iter()
+            .map(|w| looks[1].message(60, &json!({ "options": w }))),
+    );
     for message in &bad {
         let shown: String = message.chars().take(200).collect();
         assert!(session.answer(message).is_err(), "{shown}");
@@ -302,13 +316,17 @@ fn stands_fast(session: &mut dyn Session, mesh: &TriMesh, wrong: &[Value]) {
         assert!(matches!(old, Err(LiveError::OutOfOrder { last: 7, .. })));
     }
     // Nothing has changed: the same view is the same picture, without another word.
-    let frame = session.answer(&looks[0].message(8, &json!({}))).expect("answers");
+    let frame = session
+        .answer(&looks[0].message(8, &json!({})))
+        .expect("answers");
     assert_eq!(frame.len(), 64);
     page.apply(&frame);
     assert!(page.triangles() == before);
     // The largest numbers that make sense do.
     let huge = json!({ "budget": { "triangles": u64::MAX, "milliseconds": 1e9 } });
-    let frame = session.answer(&looks[2].message(u32::MAX, &huge)).expect("answers");
+    let frame = session
+        .answer(&looks[2].message(u32::MAX, &huge))
+        .expect("answers");
     page.apply(&frame);
     assert!(session.answer(&looks[2].message(u32::MAX, &huge)).is_err());
 }
@@ -320,10 +338,18 @@ fn hostile_messages_are_refused() {
     let hierarchy = Hierarchy::build(&mesh, &HierarchyOptions::default()).expect("builds");
     let dag = ClusterDag::build(&mesh, &ClusterDagOptions::default()).expect("builds");
     let mut half_edges = HalfEdgeSession::new(&geometry, &hierarchy).expect("fits");
-    let wrong = [json!({ "area": -1 }), json!({ "flatness": 91 }), json!({ "highlight": 1e9 })];
+    let wrong = [
+        json!({ "area": -1 }),
+        json!({ "flatness": 91 }),
+        json!({ "highlight": 1e9 }),
+    ];
     stands_fast(&mut half_edges, &mesh, &wrong);
     let mut clusters = ClusterSession::new(&geometry, &dag).expect("fits");
-    let wrong = [json!({ "threshold": -1 }), json!({ "light_factor": 0 }), json!({ "light_factor": 2 })];
+    let wrong = [
+        json!({ "threshold": -1 }),
+        json!({ "light_factor": 0 }),
+        json!({ "light_factor": 2 }),
+    ];
     stands_fast(&mut clusters, &mesh, &wrong);
 }
 

@@ -97,7 +97,11 @@ impl Session for AdaptiveSession<'_> {
         self.order.check(request.seq)?;
         let complete = self.refine(&request)?;
         self.order.answered(request.seq);
-        let mut flags = if complete { FLAG_COMPLETE } else { FLAG_TRUNCATED };
+        let mut flags = if complete {
+            FLAG_COMPLETE
+        } else {
+            FLAG_TRUNCATED
+        };
         if self.faces.is_full() {
             self.faces = Faces::new();
         }

@@ -1,8 +1,8 @@
 //! The vertices that sessions send from.
 
+use glam::Vec3;
 use karui::geom::Aabb;
 use karui::mesh::{NormalWeight, PositionIds, TriMesh, vertex_normals};
-use glam::Vec3;
 
 /// Places and normals of all vertices of a model; sessions share it.
 #[derive(Debug, Clone)]

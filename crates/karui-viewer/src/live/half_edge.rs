@@ -147,7 +147,11 @@ impl Session for HalfEdgeSession<'_> {
         let mut frame = Frame::default();
         self.write(&change, &mut frame);
         let complete = if change.complete { FLAG_COMPLETE } else { 0 };
-        let truncated = if change.floor > 0.0 { FLAG_TRUNCATED } else { 0 };
+        let truncated = if change.floor > 0.0 {
+            FLAG_TRUNCATED
+        } else {
+            0
+        };
         let header = Header {
             kind: Kind::HalfEdge,
             seq: request.seq,

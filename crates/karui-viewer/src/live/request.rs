@@ -22,7 +22,10 @@ pub struct Request<O> {
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
     /// What is asked for; what is left out has its default.
-    #[serde(default = "O::default", bound(deserialize = "O: Deserialize<'de> + Default"))]
+    #[serde(
+        default = "O::default",
+        bound(deserialize = "O: Deserialize<'de> + Default")
+    )]
     pub options: O,
     /// What the answer may cost.
     #[serde(default)]

@@ -1,7 +1,7 @@
 //! The route of live refinement: a socket, and a thread that works for it.
 
 use super::desk::{Desk, Outgoing};
-use super::{ClusterSession, HalfEdgeSession, Session};
+use super::{ClusterSession, Geometry, HalfEdgeSession, Session};
 use crate::file::File;
 use crate::refusal::Refusal;
 use crate::shared::Shared;
@@ -15,7 +15,8 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::Instant;
 use tokio::sync::OwnedSemaphorePermit;
-use tokio::sync::mpsc::channel;
+use tokio::sync::mpsc::{Receiver, channel};
+use tokio::task::JoinHandle;
 
 /// Largest message of a page, bytes.
 const MAX_MESSAGE: usize = 64 << 10;
@@ -81,7 +82,7 @@ async fn converse(
     work: impl FnOnce(&Desk) -> Result<(), Refusal> + Send + 'static,
     permit: OwnedSemaphorePermit,
 ) {
-    let (out, mut answers) = channel(4);
+    let (out, answers) = channel(4);
     let desk = AtDesk(Arc::new(Desk::new(out)));
     let at_work = Arc::clone(&desk.0);
     let worker = tokio::task::spawn_blocking(move || {
@@ -90,34 +91,42 @@ async fn converse(
         }
         drop(permit);
     });
-    let talk = async {
-        loop {
-            tokio::select! {
-                message = socket.recv() => match message {
-                    Some(Ok(Message::Text(text))) => desk.0.put(text.to_string()),
-                    // Nothing else is a message; that it is none is told in order.
-                    Some(Ok(Message::Binary(_))) => desk.0.put("bytes".to_owned()),
-                    Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
-                    Some(Ok(Message::Close(_)) | Err(_)) | None => break,
-                },
-                answer = answers.recv() => {
-                    let message = match answer {
-                        Some(Outgoing::Text(text)) => Message::Text(text.into()),
-                        Some(Outgoing::Frame(bytes)) => Message::Binary(bytes.into()),
-                        None => break,
-                    };
-                    if socket.send(message).await.is_err() {
-                        break;
-                    }
+    talk(&mut socket, &desk.0, answers, worker).await;
+    // That it cannot be sent means that the page has gone.
+    let _gone = socket.send(Message::Close(None)).await;
+}
+
+/// Until the page goes or the work ends, if it should.
+async fn talk(
+    socket: &mut WebSocket,
+    desk: &Desk,
+    mut answers: Receiver<Outgoing>,
+    mut worker: JoinHandle<()>,
+) {
+    loop {
+        tokio::select! {
+            // The last words of the work come before its end.
+            biased;
+            answer = answers.recv() => {
+                let Some(answer) = answer else { break };
+                let message = match answer {
+                    Outgoing::Text(text) => Message::Text(text.into()),
+                    Outgoing::Frame(bytes) => Message::Binary(bytes.into()),
+                };
+                if socket.send(message).await.is_err() {
+                    break;
                 }
             }
+            _ended = &mut worker => break,
+            message = socket.recv() => match message {
+                Some(Ok(Message::Text(text))) => desk.put(text.to_string()),
+                // Nothing else is a message; that it is none is told in order.
+                Some(Ok(Message::Binary(_))) => desk.put("bytes".to_owned()),
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
+                Some(Ok(Message::Close(_)) | Err(_)) | None => break,
+            },
         }
-    };
-    talk.await;
-    drop(answers);
-    drop(desk);
-    // Also if it has panicked: then there is nothing left to say.
-    let _ended = worker.await;
+    }
 }
 
 fn refine(file: &File, kind: LiveKind, desk: &Desk) -> Result<(), Refusal> {
@@ -125,40 +134,44 @@ fn refine(file: &File, kind: LiveKind, desk: &Desk) -> Result<(), Refusal> {
     let whole = model.prepared.mesh(&model.scene)?;
     let (mesh, geometry) = &*whole;
     let started = Instant::now();
-    let ready = |more: Value| {
-        let Aabb { min, max } = geometry.bounds();
-        let mut ready = json!({
-            "triangles": geometry.triangle_count(), "vertices": geometry.vertex_count(),
-            "bounds": { "min": min.to_array(), "max": max.to_array() },
-            "seconds": started.elapsed().as_secs_f64(),
-        });
-        if let (Some(all), Value::Object(more)) = (ready.as_object_mut(), more) {
-            all.extend(more);
-        }
-        desk.tell(&json!({ "ready": ready }));
-    };
     match kind {
         LiveKind::HalfEdge => {
             let hierarchy = model.prepared.half_edge(mesh, desk)?;
             let session = HalfEdgeSession::new(geometry, &hierarchy)?;
-            ready(json!({
+            let about = json!({
                 "kind": "half-edge", "nodes": hierarchy.node_count(),
                 "coarsest": hierarchy.counts().coarsest,
-            }));
+            });
+            ready(geometry, started, about, desk);
             answer_all(session, desk);
         }
         LiveKind::Clusters => {
             let dag = model.prepared.clusters(mesh, desk)?;
             let session = ClusterSession::new(geometry, &dag)?;
             let most = dag.clusters().iter().map(|c| c.triangles).max();
-            ready(json!({
+            let about = json!({
                 "kind": "clusters", "clusters": dag.clusters().len(), "levels": dag.levels(),
                 "coarsest": dag.triangles_of_roots(), "slot": most.unwrap_or(0),
-            }));
+            });
+            ready(geometry, started, about, desk);
             answer_all(session, desk);
         }
     }
     Ok(())
+}
+
+/// Tells the page that it may ask now, and what of.
+fn ready(geometry: &Geometry, started: Instant, about: Value, desk: &Desk) {
+    let Aabb { min, max } = geometry.bounds();
+    let mut ready = json!({
+        "triangles": geometry.triangle_count(), "vertices": geometry.vertex_count(),
+        "bounds": { "min": min.to_array(), "max": max.to_array() },
+        "seconds": started.elapsed().as_secs_f64(),
+    });
+    if let (Some(all), Value::Object(about)) = (ready.as_object_mut(), about) {
+        all.extend(about);
+    }
+    desk.tell(&json!({ "ready": ready }));
 }
 
 /// Answers until the page has gone.

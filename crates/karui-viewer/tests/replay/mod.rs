@@ -62,7 +62,11 @@ impl Page {
                 ..Self::default()
             };
         }
-        assert_eq!(word(frame, 4) as usize, self.vertices.len(), "known vertices");
+        assert_eq!(
+            word(frame, 4) as usize,
+            self.vertices.len(),
+            "known vertices"
+        );
         let new = word(frame, 5) as usize;
         let vertices = &frame[HEADER_BYTES..HEADER_BYTES + 12 * new];
         let number = |b: &[u8]| u32::from_le_bytes(b.try_into().expect("four bytes"));
