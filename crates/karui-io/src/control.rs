@@ -5,7 +5,7 @@ use crate::{
     error::Result,
     obj,
     read::poly_of,
-    source::{Source, load},
+    source::{Source, inflated, load},
 };
 use karui::{Scene, TriMesh, subdiv::ControlMesh};
 use std::path::Path;
@@ -47,6 +47,22 @@ pub fn read_control_bytes(
     name: impl AsRef<Path>,
 ) -> Result<LoadedControl> {
     control(format, &mut Source::in_memory(name.as_ref(), bytes))
+}
+
+/// [`read_control`] of the bytes of a file that need not lie on this machine, as
+/// [`read_sent`](crate::read_sent) takes them.
+///
+/// # Errors
+/// As [`read_control`].
+pub fn read_control_sent(
+    name: impl AsRef<Path>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<LoadedControl> {
+    let name = name.as_ref();
+    let bytes = inflated(name, bytes, options)?;
+    let format = Format::detect(name, &bytes)?;
+    control(format, &mut Source::in_memory(name, &bytes))
 }
 
 fn control(format: Format, source: &mut Source<'_>) -> Result<LoadedControl> {

@@ -3,6 +3,9 @@
 mod faces;
 mod options;
 mod session;
+mod socket;
 
 pub use options::{How, SmoothOptions};
 pub use session::AdaptiveSession;
+
+pub(crate) use socket::adaptive;

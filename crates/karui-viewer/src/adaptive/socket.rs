@@ -10,6 +10,7 @@ use axum::extract::{Path, State};
 use axum::response::Response;
 use karui::geom::Aabb;
 use karui::subdiv::ControlMesh;
+use karui_io::ReadOptions;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -48,7 +49,7 @@ fn smooth(file: &File, desk: &Desk) -> Result<(), Refusal> {
 fn control(file: &File) -> Result<ControlMesh, Refusal> {
     let read = match &file.model()?.origin {
         Origin::Disk(path) => karui_io::read_control(path)?,
-        Origin::Memory(bytes) => karui_io::read_control_sent(&file.name, bytes)?,
+        Origin::Memory(bytes) => karui_io::read_control_sent(&file.name, bytes, &ReadOptions::default())?,
     };
     Ok(read.mesh)
 }

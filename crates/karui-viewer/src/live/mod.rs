@@ -5,12 +5,15 @@
 //! vertices and clusters, is not sent again.
 
 mod clusters;
+mod desk;
 mod error;
 mod frame;
 mod geometry;
 mod half_edge;
+mod prepared;
 mod request;
 mod slots;
+mod socket;
 mod vertices;
 
 pub use clusters::{ClusterOptions, ClusterSession};
@@ -20,10 +23,13 @@ pub use geometry::Geometry;
 pub use half_edge::{HalfEdgeOptions, HalfEdgeSession};
 pub use request::{BudgetOfRequest, MAX_LIGHTS, Request};
 
+pub(crate) use desk::Desk;
 pub(crate) use frame::{Frame, Header};
 pub(crate) use geometry::octahedral;
+pub(crate) use prepared::Prepared;
 pub(crate) use request::Order;
 pub(crate) use slots::Slots;
+pub(crate) use socket::{MAX_SESSIONS, answer_all, live, open};
 
 /// What one page sees of one model.
 pub trait Session {

@@ -19,11 +19,6 @@ impl<const W: usize> Slots<W> {
         Self { held: Vec::new() }
     }
 
-    #[cfg(test)]
-    pub fn held(&self) -> &[[u32; W]] {
-        &self.held
-    }
-
     /// There are `len` slots now; those beyond hold nothing that anyone knows.
     pub fn resize(&mut self, len: usize) -> Runs<'_, W> {
         self.held.resize(len, [u32::MAX; W]);

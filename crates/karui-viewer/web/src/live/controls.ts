@@ -20,7 +20,7 @@ export interface Knob {
 export function slider(knob: Knob, change: (value: number) => void): HTMLElement {
   const { from, to, log, unit } = knob;
   const place = (v: number): number => (log ? (1000 * Math.log(v / from)) / Math.log(to / from) : v);
-  const value = (p: number): number => (log ? Number((from * (to / from) ** (p / 1000)).toPrecision(3)) : p);
+  const value = (p: number): number => (log ? Number((from * (to / from) ** (p / 1000)).toPrecision(2)) : p);
   const told = h('output', {});
   const input = h('input', {
     type: 'range',

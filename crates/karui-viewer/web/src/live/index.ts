@@ -28,8 +28,8 @@ const KNOBS: Record<Which, Record<string, Knob>> = {
   },
 };
 
-const TRIANGLES: Knob = { label: 'Triangles', unit: 'at most', from: 500, to: 2_000_000, log: true, value: 100_000 };
-const TIME: Knob = { label: 'Time', unit: 'ms', from: 0.5, to: 50, log: true, value: 5, hint: 'Of the refinement; the rest waits for the next frame' };
+const TRIANGLES: Knob = { label: 'At most', unit: '', from: 500, to: 2_000_000, log: true, value: 100_000 };
+const TIME: Knob = { label: 'About', unit: 'ms', from: 0.5, to: 50, log: true, value: 5, hint: 'Of the refinement; the rest waits for the next frame' };
 
 class Live implements Mode, Asker {
   readonly tab = 'live';
@@ -144,12 +144,12 @@ class Live implements Mode, Asker {
     const kinds = new Choice<Which>('Hierarchy', [['half-edge', 'Half-edges'], ['clusters', 'Clusters']], pick);
     kinds.set(this.which);
     return [
-      section('Hierarchy', kinds.element, ...this.knobs(), this.box('Coarse outside the picture', 'frustum'), this.box('Coarse where it faces away', 'back_facing')),
+      section('Hierarchy', kinds.element, this.facts.element),
+      section('What is kept', ...this.knobs(), this.box('Coarse outside the picture', 'frustum'), this.box('Coarse where it faces away', 'back_facing')),
       section('Budget', ...this.limit('triangles', TRIANGLES), ...(this.which === 'half-edge' ? this.limit('milliseconds', TIME) : [])),
       section('Light', ...this.lamp()),
       section('View', ...this.views()),
       section('Camera path', this.recorder!.element),
-      section('Now', this.facts.element),
     ];
   }
 

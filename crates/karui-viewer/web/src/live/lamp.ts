@@ -9,7 +9,7 @@ import type { Stage } from '../view/stage';
 export class Lamp {
   private readonly bulb: Mesh<SphereGeometry, MeshBasicMaterial>;
   private readonly light = new PointLight(0xfff4e0);
-  private readonly sky = new HemisphereLight(0xf2f5ff, 0x4a4640, 0.75);
+  private readonly sky = new HemisphereLight(0xf2f5ff, 0x4a4640, 1.0);
   private readonly ray = new Raycaster();
   private readonly plane = new Plane();
   private dragged = false;
@@ -46,7 +46,7 @@ export class Lamp {
     this.light.position.copy(position);
     const distance = Math.max(position.distanceTo(this.bounds.center), 1e-3 * this.bounds.radius);
     // White at the middle of the model, wherever it is.
-    this.light.intensity = 7 * distance * distance;
+    this.light.intensity = 3.2 * distance * distance;
     this.stage.invalidate();
   }
 

@@ -51,7 +51,7 @@ export class Outside {
     const arm = camera.position.clone().sub(bounds.center).setY(0);
     if (arm.lengthSq() === 0) arm.set(0, 0, 1);
     arm.normalize().applyAxisAngle(new Vector3(0, 1, 0), 1.25).setY(0.45).normalize();
-    this.camera.position.copy(bounds.center).addScaledVector(arm, 4.2 * bounds.radius);
+    this.camera.position.copy(bounds.center).addScaledVector(arm, 5 * bounds.radius);
     this.camera.lookAt(bounds.center);
     this.controls.target.copy(bounds.center);
   }

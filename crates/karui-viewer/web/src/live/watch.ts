@@ -1,5 +1,6 @@
 // What live modes share: a socket, the triangles it tells of, a second window, a lamp.
 
+import './style.css';
 import { Box3, Mesh, Scene, Vector3 } from 'three';
 import type { Host } from '../mode';
 import { FOV } from '../view/stage';
@@ -51,6 +52,7 @@ export class Watch {
   /** Called with every frame that is asked for. */
   onask: ((frame: PathFrame) => void) | null = null;
   lit = true;
+  private asking = false;
   private readonly link: Link;
   private outside: Outside | null = null;
   private mesh: Mesh | null = null;
@@ -77,13 +79,22 @@ export class Watch {
     this.host.stage.moved.delete(this.moved);
     this.look(false);
     this.lamp?.dispose();
+    this.lamp = null;
     this.surface?.dispose();
     this.host.stage.panes = [];
   }
 
-  /** Asks for what is seen now. */
+  /** Asks for what is seen then, once all that is to change now has. */
   ask(): void {
-    if (!this.lamp) return;
+    if (!this.lamp || this.asking) return;
+    this.asking = true;
+    queueMicrotask(() => {
+      this.asking = false;
+      if (this.lamp) this.askNow();
+    });
+  }
+
+  private askNow(): void {
     const frame = this.frame();
     this.onask?.(frame);
     this.link.ask({ frame, size: this.size(), ...this.asker.ask() });

@@ -15,6 +15,11 @@ type Colors = 'own' | 'group' | 'depth';
 /** What of the library's tiles and counts is read here; its types leave it out. */
 interface Tile {
   internal?: { depth?: number };
+  engineData?: { metadata?: { parser?: { json?: Json } } | null };
+}
+
+interface Json {
+  extensions?: { EXT_structural_metadata?: { propertyTables?: { count?: number }[] } };
 }
 
 interface Stats {
@@ -29,6 +34,9 @@ const statsOf = (tiles: TilesRenderer): Stats => (tiles as unknown as { stats: S
 
 /** Depths from coarse to fine: cividis, which colour-blind people tell apart too. */
 const DEPTHS = ['#00204c', '#31446b', '#575d6d', '#7c7b78', '#a69d75', '#d3c164', '#ffe945'];
+
+/** Pictures without any change after which there is nothing to wait for. */
+const QUIET = 4;
 
 /** A distance of hues at which neighbours differ: the golden angle. */
 const STEP = 0.38196601;
@@ -46,9 +54,15 @@ class TilesMode implements Mode {
   private placed = false;
   private choice: Choice<Colors> | null = null;
   private numbers = new Map<object, number>();
+  private quiet = 0;
   private readonly failures: string[] = [];
   private readonly facts = new Facts();
   private readonly update = () => this.step();
+  /** Something has changed: what is drawn may have to as well. */
+  private readonly stir = () => {
+    this.quiet = 0;
+    this.host?.stage.invalidate();
+  };
 
   accepts(file: Summary): boolean {
     return file.kind === 'tileset';
@@ -56,7 +70,7 @@ class TilesMode implements Mode {
 
   async enter(host: Host, file: Summary): Promise<void> {
     const { id, root, files } = file as TilesetSummary;
-    Object.assign(this, { host, scene: new Scene(), placed: false, frozen: false, numbers: new Map() });
+    Object.assign(this, { host, scene: new Scene(), placed: false, frozen: false, numbers: new Map(), quiet: 0 });
     this.failures.length = 0;
     this.facts.clear();
     this.facts.set('Files', count(files));
@@ -68,8 +82,9 @@ class TilesMode implements Mode {
     tiles.addEventListener('load-model', ({ scene, tile }: { scene: Object3D; tile: object }) => this.loaded(scene, tile));
     tiles.addEventListener('dispose-model', ({ scene }: { scene: Object3D }) => forget(scene));
     tiles.addEventListener('load-error', ({ url, error }: { url: string | URL; error: Error }) => this.failed(url, error));
-    tiles.addEventListener('needs-update', () => host.stage.invalidate());
-    tiles.addEventListener('tiles-load-end', () => host.stage.invalidate());
+    tiles.addEventListener('needs-update', this.stir);
+    tiles.addEventListener('tiles-load-end', this.stir);
+    host.stage.moved.add(this.stir);
     this.scene.add(new Group().add(tiles.group));
     host.stage.panes = [{ scene: this.scene, from: 0, to: 1, cut: false }];
     host.stage.before.add(this.update);
@@ -81,6 +96,7 @@ class TilesMode implements Mode {
   leave(): void {
     const { host, tiles } = this;
     host?.stage.before.delete(this.update);
+    host?.stage.moved.delete(this.stir);
     if (host) host.stage.panes = [];
     tiles?.forEachLoadedModel(forget);
     tiles?.dispose();
@@ -120,14 +136,14 @@ class TilesMode implements Mode {
 
   private target(pixels: number): void {
     this.error = pixels;
-    this.host?.stage.invalidate();
+    this.stir();
   }
 
   private freeze(on: boolean): void {
     this.frozen = on;
     const box = this.host?.panel.querySelector<HTMLInputElement>('[data-freeze]');
     if (box) box.checked = on;
-    this.host?.stage.invalidate();
+    this.stir();
   }
 
   /** Turns the scene so that its up is the page's, and puts its middle at the origin. */
@@ -177,21 +193,24 @@ class TilesMode implements Mode {
     facts.set('Triangles', count(triangles));
     facts.set('On the way', count(busy));
     facts.set('Failed', count(failed));
-    const ready = this.placed && busy === 0 && !this.frozen;
+    this.quiet = busy > 0 || !this.placed ? 0 : this.quiet + 1;
+    const ready = this.quiet >= QUIET;
     Object.assign(window.karui, { triangles, ready, tileCounts: { visible, objects, triangles, busy, failed } });
-    // Something may have come in while this picture was drawn.
-    if (busy > 0) host.stage.invalidate();
+    // The eye's planes are set when a picture is drawn, and found out about at the next one.
+    if (!ready && failed === 0) host.stage.invalidate();
   }
 
-  /** Triangles and objects that are drawn, instances and all. */
+  /** Triangles, instances and all, and objects: rows of the tiles' tables, else meshes. */
   private count(): { triangles: number; objects: number } {
     let [triangles, objects] = [0, 0];
+    for (const tile of this.tiles?.visibleTiles ?? []) objects += rows(tile as object) ?? 0;
+    const tables = objects > 0;
     this.tiles?.group.traverseVisible((object) => {
       if (!(object instanceof Mesh)) return;
       const times = 'isInstancedMesh' in object ? (object as unknown as { count: number }).count : 1;
       const { index, attributes } = object.geometry;
       triangles += (times * (index?.count ?? attributes['position']?.count ?? 0)) / 3;
-      objects += times;
+      if (!tables) objects += times;
     });
     return { triangles, objects };
   }
@@ -200,13 +219,13 @@ class TilesMode implements Mode {
     const name = decodeURIComponent(String(url)).replace(/^.*\/tiles\//, '');
     this.failures.push(`${name}: ${error.message}`);
     this.host?.say(`${name}: ${error.message}`, 'error');
-    this.host?.stage.invalidate();
+    this.stir();
   }
 
   private loaded(scene: Object3D, tile: object): void {
     this.numbers.set(tile, this.numbers.size);
     this.dress(scene, tile);
-    this.host?.stage.invalidate();
+    this.stir();
   }
 
   private paint(colors: Colors): void {
@@ -232,6 +251,11 @@ class TilesMode implements Mode {
       object.userData['painted'] = object.material = material;
     });
   }
+}
+
+/** Rows of the first table of a tile's content: Karui writes one a visible object. */
+function rows(tile: Tile): number | undefined {
+  return tile.engineData?.metadata?.parser?.json?.extensions?.EXT_structural_metadata?.propertyTables?.[0]?.count;
 }
 
 /** Frees what was made for colours. */
