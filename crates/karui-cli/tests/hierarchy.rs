@@ -88,6 +88,27 @@ fn benches_print_their_tables() {
     }
 }
 
+/// What `karui view` records: a frame for each camera that was asked for.
+#[test]
+fn recorded_paths_are_walked() {
+    let folder = folder();
+    let frame = |x: f32| {
+        format!(
+            r#"{{"camera":{{"eye":[{x},0.5,3],"target":[0,0,0],"fov":40}},
+                "lights":[{{"type":"point","position":[1,2,3],"intensity":1}}]}}"#
+        )
+    };
+    let path = |frames: Vec<String>| format!(r#"{{"frames":[{}]}}"#, frames.join(","));
+    let eyes = (0..9u8).map(|i| frame(0.1 * f32::from(i))).collect();
+    std::fs::write(folder.path("path.json"), path(eyes)).unwrap();
+    std::fs::write(folder.path("one.json"), path(vec![frame(0.0)])).unwrap();
+    let ran = folder.ok("hierarchy bench ball.ply --path path.json");
+    assert!(ran.out.contains("along `path.json`"), "{ran:?}");
+    for wrong in ["one.json", "none.json", "path.json --sizes 2000", "path.json --frames 20"] {
+        folder.fails(2, &format!("hierarchy bench ball.ply --path {wrong}"));
+    }
+}
+
 #[test]
 fn what_is_wrong_is_named_and_nothing_is_written() {
     let folder = folder();

@@ -2,9 +2,9 @@
 
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
 import type { Summary } from '../api';
-import { check, field, h, section } from '../dom';
+import { check, field, h } from '../dom';
 import { bytes, count, number } from '../format';
-import { Facts, slider } from '../live/controls';
+import { Facts, part, slider } from '../live/controls';
 import type { Ready } from '../live/link';
 import { type Asker, type Numbers, quantile, Watch } from '../live/watch';
 import type { Host, Mode } from '../mode';
@@ -132,10 +132,10 @@ class AdaptiveMode implements Mode, Asker {
 
   private draw(): void {
     this.host?.panel.replaceChildren(
-      section('Surface', this.select('Scheme', SCHEMES, this.scheme, (scheme) => this.pick(scheme)), ...this.amount()),
-      section('Rules', ...this.selects()),
-      section('View', ...this.boxes()),
-      section('Now', this.facts.element),
+      part('Surface', this.select('Scheme', SCHEMES, this.scheme, (scheme) => this.pick(scheme)), ...this.amount()),
+      part('Rules', ...this.selects()),
+      part('View', ...this.boxes()),
+      part('Now', this.facts.element),
     );
   }
 

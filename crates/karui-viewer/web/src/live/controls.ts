@@ -1,6 +1,6 @@
 // Sliders over wide ranges.
 
-import { field, h } from '../dom';
+import { field, h, section } from '../dom';
 import { number } from '../format';
 
 /** A number that is chosen by a slider. */
@@ -15,6 +15,9 @@ export interface Knob {
   step?: number;
   value: number;
 }
+
+/** A titled part of the panel, line by line. */
+export const part = (title: string, ...lines: HTMLElement[]): HTMLElement => section(title, h('div', {}, ...lines));
 
 /** A slider with what it says beside it. */
 export function slider(knob: Knob, change: (value: number) => void): HTMLElement {
@@ -39,6 +42,7 @@ export function slider(knob: Knob, change: (value: number) => void): HTMLElement
   };
   show();
   const row = field(knob.label, input, knob.hint);
+  row.classList.add('knob');
   row.append(told);
   return row;
 }

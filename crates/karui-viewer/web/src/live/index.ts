@@ -2,13 +2,16 @@
 
 import { Mesh, MeshBasicMaterial } from 'three';
 import type { Summary } from '../api';
-import { Choice, check, section } from '../dom';
+import { Choice, check } from '../dom';
 import { bytes, count, number } from '../format';
 import type { Host, Mode } from '../mode';
-import { Facts, type Knob, slider } from './controls';
+import { Facts, type Knob, part, slider } from './controls';
 import type { Ready } from './link';
 import { Recorder } from './record';
 import { type Asker, type Numbers, quantile, Watch } from './watch';
+
+/** Width at which a picture is worth dividing, CSS pixels. */
+const ROOM = 600;
 
 type Which = 'half-edge' | 'clusters';
 
@@ -46,7 +49,8 @@ class Live implements Mode, Asker {
   };
   private readonly budget = { triangles: TRIANGLES.value, milliseconds: TIME.value };
   private readonly limits = { triangles: false, milliseconds: false };
-  private outside = true;
+  /** Not chosen yet: where there is room. */
+  private outside: boolean | null = null;
   private flat = false;
   private wire = false;
   private readonly facts = new Facts();
@@ -57,6 +61,7 @@ class Live implements Mode, Asker {
 
   async enter(host: Host, file: Summary): Promise<void> {
     [this.host, this.file] = [host, file];
+    this.outside ??= host.stage.canvas.clientWidth >= ROOM;
     this.start();
   }
 
@@ -88,7 +93,7 @@ class Live implements Mode, Asker {
     wire.frustumCulled = false;
     watch.edges(wire);
     watch.paint(this.flat, this.wire);
-    watch.look(this.outside);
+    watch.look(this.outside === true);
     this.facts.clear();
     this.facts.set('Finest', count(about.triangles ?? 0));
     this.facts.set('Coarsest', count(about.coarsest ?? 0));
@@ -144,12 +149,12 @@ class Live implements Mode, Asker {
     const kinds = new Choice<Which>('Hierarchy', [['half-edge', 'Half-edges'], ['clusters', 'Clusters']], pick);
     kinds.set(this.which);
     return [
-      section('Hierarchy', kinds.element, this.facts.element),
-      section('What is kept', ...this.knobs(), this.box('Coarse outside the picture', 'frustum'), this.box('Coarse where it faces away', 'back_facing')),
-      section('Budget', ...this.limit('triangles', TRIANGLES), ...(this.which === 'half-edge' ? this.limit('milliseconds', TIME) : [])),
-      section('Light', ...this.lamp()),
-      section('View', ...this.views()),
-      section('Camera path', this.recorder!.element),
+      part('Hierarchy', kinds.element, this.facts.element),
+      part('What is kept', ...this.knobs(), this.box('Coarse outside the picture', 'frustum'), this.box('Coarse where it faces away', 'back_facing')),
+      part('Budget', ...this.limit('triangles', TRIANGLES), ...(this.which === 'half-edge' ? this.limit('milliseconds', TIME) : [])),
+      part('Light', ...this.lamp()),
+      part('View', ...this.views()),
+      part('Camera path', this.recorder!.element),
     ];
   }
 
@@ -220,7 +225,7 @@ class Live implements Mode, Asker {
       this.wire = on;
       paint();
     });
-    [first.checked, second.checked, third.checked] = [this.outside, this.flat, this.wire];
+    [first.checked, second.checked, third.checked] = [this.outside === true, this.flat, this.wire];
     first.dataset['outside'] = '';
     return [outside, flat, wire];
   }

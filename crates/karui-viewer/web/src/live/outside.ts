@@ -1,6 +1,6 @@
 // The second window: the same triangles from elsewhere, with the first one's frustum.
 
-import { CameraHelper, PerspectiveCamera, type Scene, Vector3 } from 'three';
+import { CameraHelper, Color, PerspectiveCamera, type Scene, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { h } from '../dom';
 import { FOV, type Stage } from '../view/stage';
@@ -26,6 +26,8 @@ export class Outside {
     this.camera.layers.enable(LAYER);
     this.helper = new CameraHelper(stage.camera);
     this.helper.layers.set(LAYER);
+    const [edge, axis] = [new Color(0xffb454), new Color(0x4b5261)];
+    this.helper.setColors(edge, edge, edge, axis, axis);
     scene.add(this.helper);
     this.pad.append(h('span', {}, 'From outside'));
     overlay.append(this.pad);
@@ -51,7 +53,7 @@ export class Outside {
     const arm = camera.position.clone().sub(bounds.center).setY(0);
     if (arm.lengthSq() === 0) arm.set(0, 0, 1);
     arm.normalize().applyAxisAngle(new Vector3(0, 1, 0), 1.25).setY(0.45).normalize();
-    this.camera.position.copy(bounds.center).addScaledVector(arm, 5 * bounds.radius);
+    this.camera.position.copy(bounds.center).addScaledVector(arm, 5.5 * bounds.radius);
     this.camera.lookAt(bounds.center);
     this.controls.target.copy(bounds.center);
   }

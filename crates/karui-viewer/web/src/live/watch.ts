@@ -142,15 +142,16 @@ export class Watch {
     const { stage } = this.host;
     const bounds = new Box3(new Vector3().fromArray(about.bounds.min), new Vector3().fromArray(about.bounds.max));
     stage.setBounds(bounds);
-    const { camera } = this.host.store.state;
-    if (camera.length === 6) stage.setPose([...camera]);
-    else stage.frame();
     this.surface = new Surface(about.slot ?? 1);
     this.mesh = new Mesh(this.surface.geometry, clay(false));
     this.mesh.frustumCulled = false;
     this.scene.add(this.mesh);
     this.lamp = new Lamp(stage, this.scene, stage.bounds.clone(), this.moved);
     this.asker.ready(about);
+    // After the windows have been laid out: the first one is to show all.
+    const { camera } = this.host.store.state;
+    if (camera.length === 6) stage.setPose([...camera]);
+    else stage.frame();
     stage.moved.add(this.moved);
     this.ask();
   }

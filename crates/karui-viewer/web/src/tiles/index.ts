@@ -4,9 +4,9 @@ import { ImplicitTilingPlugin } from '3d-tiles-renderer/core/plugins';
 import { TilesRenderer } from '3d-tiles-renderer/three';
 import { Box3, Color, Group, MathUtils, Mesh, MeshLambertMaterial, type Object3D, Quaternion, Scene, Sphere, Vector3 } from 'three';
 import type { Summary, TilesetSummary } from '../api';
-import { Choice, check, section } from '../dom';
+import { Choice, check } from '../dom';
 import { count, number } from '../format';
-import { Facts, slider } from '../live/controls';
+import { Facts, part, slider } from '../live/controls';
 import type { Host, Mode } from '../mode';
 import { FOV } from '../view/stage';
 
@@ -128,9 +128,9 @@ class TilesMode implements Mode {
     const [freeze, box] = check('Keep the tiles there are', 'F', (on) => this.freeze(on));
     box.dataset['freeze'] = '';
     return [
-      section('Detail', slider({ label: 'Error Ω_t', unit: 'px', from: 0.5, to: 500, log: true, value: this.error, hint }, (v) => this.target(v)), freeze),
-      section('Colours', this.choice.element),
-      section('Now', this.facts.element),
+      part('Detail', slider({ label: 'Error Ω_t', unit: 'px', from: 0.5, to: 500, log: true, value: this.error, hint }, (v) => this.target(v)), freeze),
+      part('Colours', this.choice.element),
+      part('Now', this.facts.element),
     ];
   }
 
