@@ -55,7 +55,7 @@ mod write;
 
 pub use atomic::Written;
 pub use camera_path::{CameraOfPath, CameraPath, FrameOfPath, LightOfPath};
-pub use control::{LoadedControl, read_control, read_control_bytes};
+pub use control::{LoadedControl, read_control, read_control_bytes, read_control_sent};
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;
 pub use gltf::{FeatureColumn, FeatureTable, FeatureValues, GltfOptions};

@@ -16,12 +16,14 @@
 //! requests). No path that a client sends touches the disk: files go by number, and those
 //! that are dropped on the page stay in memory. `docs/viewer.md` describes page and API.
 
+pub mod adaptive;
 mod api;
 mod error;
 mod file;
 mod guard;
 mod job;
 mod levels;
+pub mod live;
 mod links;
 mod model;
 mod page;

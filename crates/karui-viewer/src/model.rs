@@ -2,6 +2,7 @@
 
 use crate::file::Origin;
 use crate::levels::LevelSet;
+use crate::live::Prepared;
 use karui::render::Picture;
 use karui::saliency::Kind;
 use karui::{Scene, geom::Aabb};
@@ -24,6 +25,8 @@ pub struct Model {
     levels: RwLock<Arc<LevelSet>>,
     images: OnceLock<Vec<Option<Picture>>>,
     saliency: Mutex<Vec<Known>>,
+    /// What live refinement works on.
+    pub prepared: Prepared,
 }
 
 /// Saliency that was found before.
@@ -55,6 +58,7 @@ impl Model {
             levels: RwLock::new(levels),
             images: OnceLock::new(),
             saliency: Mutex::default(),
+            prepared: Prepared::default(),
         })
     }
 

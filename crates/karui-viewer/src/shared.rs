@@ -3,10 +3,12 @@
 use crate::error::Result;
 use crate::file::File;
 use crate::job::Jobs;
+use crate::live::MAX_SESSIONS;
 use crate::refusal::Refusal;
 use crate::token::random_token;
 use axum::http::StatusCode;
 use std::sync::{Arc, PoisonError, RwLock};
+use tokio::sync::Semaphore;
 
 /// Files that are kept, named and dropped ones together.
 const MAX_FILES: usize = 256;
@@ -22,6 +24,8 @@ pub struct Shared {
     pub upload_bytes: usize,
     /// Long work.
     pub jobs: Jobs,
+    /// Places for live refinement.
+    pub sessions: Arc<Semaphore>,
     files: RwLock<Vec<Arc<File>>>,
 }
 
@@ -33,6 +37,7 @@ impl Shared {
             port,
             upload_bytes,
             jobs: Jobs::default(),
+            sessions: Arc::new(Semaphore::new(MAX_SESSIONS)),
             files: RwLock::new(files.into_iter().map(Arc::new).collect()),
         })
     }

@@ -131,8 +131,8 @@ fn of_model(id: usize, name: String, model: &Model) -> OfModel {
         warnings: model.warnings.clone(),
         levels: levels.rows.clone(),
         can: Can {
-            live: one,
-            clusters: one,
+            live: true,
+            clusters: true,
             subdivide: one,
             heat,
         },

@@ -15,6 +15,8 @@ export class Rig {
 
   /** Lights a scene for a camera. */
   light(scene: Scene, camera: Camera): void {
+    // A scene that has lights of its own.
+    if (scene.userData['lit']) return;
     const { key, fill } = this.lit.get(scene) ?? this.add(scene);
     camera.updateMatrixWorld();
     for (const [light, from] of [[key, KEY], [fill, FILL]] as const) {
