@@ -104,7 +104,12 @@ fn recorded_paths_are_walked() {
     std::fs::write(folder.path("one.json"), path(vec![frame(0.0)])).unwrap();
     let ran = folder.ok("hierarchy bench ball.ply --path path.json");
     assert!(ran.out.contains("along `path.json`"), "{ran:?}");
-    for wrong in ["one.json", "none.json", "path.json --sizes 2000", "path.json --frames 20"] {
+    for wrong in [
+        "one.json",
+        "none.json",
+        "path.json --sizes 2000",
+        "path.json --frames 20",
+    ] {
         folder.fails(2, &format!("hierarchy bench ball.ply --path {wrong}"));
     }
 }

@@ -4,6 +4,8 @@
 //! with the light moving along; 1280 x 720 pixels. The time is from the text of a message to
 //! the bytes of its answer. The first answer, which holds a whole cut, is told apart.
 
+#![expect(clippy::print_stdout, reason = "it is what this is for")]
+
 use karui::geom::{Aabb, Camera, Projection, Vec3, turntable_directions};
 use karui::hierarchy::cluster::{ClusterDag, ClusterDagOptions};
 use karui::hierarchy::{Hierarchy, HierarchyOptions};

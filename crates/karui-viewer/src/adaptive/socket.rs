@@ -49,14 +49,20 @@ fn smooth(file: &File, desk: &Desk) -> Result<(), Refusal> {
 fn control(file: &File) -> Result<ControlMesh, Refusal> {
     let read = match &file.model()?.origin {
         Origin::Disk(path) => karui_io::read_control(path)?,
-        Origin::Memory(bytes) => karui_io::read_control_sent(&file.name, bytes, &ReadOptions::default())?,
+        Origin::Memory(bytes) => {
+            karui_io::read_control_sent(&file.name, bytes, &ReadOptions::default())?
+        }
     };
     Ok(read.mesh)
 }
 
 fn ready(control: &ControlMesh, faces: usize) -> Value {
     let Aabb { min, max } = Aabb::of(control.positions.iter().copied());
-    let positions: Vec<f32> = control.positions.iter().flat_map(|p| p.to_array()).collect();
+    let positions: Vec<f32> = control
+        .positions
+        .iter()
+        .flat_map(|p| p.to_array())
+        .collect();
     json!({
         "kind": "adaptive", "faces": faces, "vertices": control.positions.len(),
         "bounds": { "min": min.to_array(), "max": max.to_array() },

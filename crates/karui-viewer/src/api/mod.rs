@@ -43,7 +43,10 @@ pub fn router(shared: Arc<Shared>) -> Router {
         .route(&at("/api/files/{id}/heat/{kind}"), get(heat::heat))
         .route(&at("/api/files/{id}/flip.png"), get(flip::flip))
         .route(&at("/api/files/{id}/live"), get(crate::live::live))
-        .route(&at("/api/files/{id}/adaptive"), get(crate::adaptive::adaptive))
+        .route(
+            &at("/api/files/{id}/adaptive"),
+            get(crate::adaptive::adaptive),
+        )
         .route(&at("/api/files/{id}/tiles/{*name}"), get(tiles::file))
         .route(
             &at("/api/jobs/{id}"),
