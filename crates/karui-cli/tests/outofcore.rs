@@ -187,3 +187,19 @@ fn bad_input_is_told() {
         folder.fails(2, args);
     }
 }
+
+#[cfg(not(feature = "cloud"))]
+#[test]
+fn urls_are_no_folders() {
+    let folder = Folder::new();
+    folder.terrain("land.ply");
+    for args in [
+        "plan new land.ply s3://bucket/work --ratio 0.1",
+        "simplify land.ply --ratio 0.1 --memory-limit 20MiB --work gs://bucket/work -o out.ply",
+        "plan show az://bucket/work",
+        "task run s3://bucket/work/01-read.tasks --row 0",
+    ] {
+        let ran = folder.fails(2, args);
+        assert!(ran.err.contains("--features cloud"), "{ran:?}");
+    }
+}

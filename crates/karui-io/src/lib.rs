@@ -22,7 +22,8 @@
 //!
 //! [`tiles`] reads, checks and writes 3D Tiles.
 //!
-//! [`slices`] reads models that are larger than memory.
+//! [`slices`] reads models that are larger than memory. With the feature `cloud`, `Cloud` keeps
+//! their blocks at `s3://`, `gs://` and `az://` URLs.
 //!
 //! [`decode_image`] and [`encode_png`] are for pictures, [`HeightRows`] for height maps,
 //! [`CameraPath`] is where a model is looked at from.
@@ -33,6 +34,8 @@
 
 mod atomic;
 mod camera_path;
+#[cfg(feature = "cloud")]
+mod cloud;
 mod color;
 mod control;
 mod error;
@@ -55,6 +58,8 @@ mod write;
 
 pub use atomic::Written;
 pub use camera_path::{CameraOfPath, CameraPath, FrameOfPath, LightOfPath};
+#[cfg(feature = "cloud")]
+pub use cloud::Cloud;
 pub use control::{LoadedControl, read_control, read_control_bytes, read_control_sent};
 pub use error::{Error, ErrorKind, Place, Result};
 pub use format::Format;

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 /// Work on models larger than memory: plan, run, resume, verify
 ///
-/// A plan is a folder. It holds phases of tasks that do not need each other and what they have
+/// A plan is a folder, or a prefix of a bucket (an s3://, gs:// or az:// URL, of a karui built with
+/// `--features cloud`). It holds phases of tasks that do not need each other and what they have
 /// made; `karui task run` does one of them, anywhere.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -43,7 +44,7 @@ enum Command {
 struct New {
     /// The model
     input: PathBuf,
-    /// The folder to make
+    /// The folder to make, or a URL
     plan: PathBuf,
     #[command(flatten)]
     target: TargetArgs,
@@ -53,13 +54,13 @@ struct New {
 
 #[derive(Debug, clap::Args)]
 struct In {
-    /// The plan's folder
+    /// The plan's folder or URL
     plan: PathBuf,
 }
 
 #[derive(Debug, clap::Args)]
 struct Run {
-    /// The plan's folder
+    /// The plan's folder or URL
     plan: PathBuf,
     /// The PLY file to write in the end
     #[arg(short, long, value_name = "FILE")]
@@ -71,7 +72,7 @@ struct Run {
 
 #[derive(Debug, clap::Args)]
 struct Write {
-    /// The plan's folder
+    /// The plan's folder or URL
     plan: PathBuf,
     /// The PLY file
     #[arg(short, long, value_name = "FILE")]
@@ -115,7 +116,7 @@ fn announce(work: &Work, console: &Console) -> Result<()> {
     let Next::Run(manifest) = next(&work.store, &work.plan).map_err(told)? else {
         return console.document(&json!({ "done": true }));
     };
-    let path = work.store.root().join(manifest.name());
+    let path = work.store.name().join(manifest.name());
     let rows = manifest.rows.len();
     console.document(&json!({ "done": false, "manifest": path, "rows": rows }))?;
     console.data(&format!("{} {rows}", path.display()))

@@ -5,7 +5,7 @@ use crate::args::{SimplifyArgs, WriteArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Input};
-use crate::outofcore::{BlockArgs, CutArgs, TargetArgs, Work, finish, memory, told};
+use crate::outofcore::{BlockArgs, CutArgs, TargetArgs, Work, finish, memory};
 use crate::output::Staged;
 use crate::table::{bytes, count, number, percent, seconds};
 use crate::{explain, output};
@@ -73,10 +73,11 @@ struct LargeArgs {
     #[arg(long, value_name = "SIZE", value_parser = memory,
           conflicts_with_all = ["log", "relative_error", "samples", "SimplifyArgs", "WriteArgs"])]
     memory_limit: Option<u64>,
-    /// Folder for what is not finished [default: the output's name with .karui]
-    #[arg(long, value_name = "FOLDER", requires = "memory_limit")]
+    /// Folder, or s3://, gs:// or az:// URL, for what is not finished [default: the output's name
+    /// with .karui]
+    #[arg(long, value_name = "PLACE", requires = "memory_limit")]
     work: Option<PathBuf>,
-    /// Leave that folder when all is done
+    /// Leave that when all is done
     #[arg(long, requires = "memory_limit")]
     keep_work: bool,
     #[command(flatten)]
@@ -154,11 +155,11 @@ fn in_blocks(args: &Args, memory: u64, console: &Console) -> Result<()> {
     };
     let folder = args.large.work.clone().unwrap_or_else(beside);
     let work = Work::create(&args.input, &folder, blocks.options(&target))?;
-    work.store.sweep().map_err(told)?;
+    work.store.sweep()?;
     let last = work.run(memory, plan::threads(), console)?;
     let summary = work.write(&last, &args.output, console)?;
     if !args.large.keep_work {
-        work.clear()?;
+        work.store.clear()?;
     }
     plan::tell(&summary, &args.output, console)
 }

@@ -1,12 +1,11 @@
 //! `karui task`: one row of a manifest.
 
 use crate::console::Console;
-use crate::failure::Failure;
-use crate::outofcore::{Work, observer, told};
+use crate::outofcore::{Work, observer, split, told};
 use anyhow::Result;
 use clap::Subcommand;
 use karui::outofcore::{Manifest, run_task};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Run one task of a plan, for engines that start programs
 #[derive(Debug, clap::Args)]
@@ -23,7 +22,7 @@ enum Command {
 
 #[derive(Debug, clap::Args)]
 struct Run {
-    /// The manifest, in the plan's folder
+    /// The manifest, with the plan's folder or URL before it
     manifest: PathBuf,
     /// The row, from 0
     #[arg(long, value_name = "N")]
@@ -33,17 +32,8 @@ struct Run {
 /// Does what the subcommand says.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let Command::Run(args) = &args.command;
-    let name = args.manifest.file_name().and_then(|name| name.to_str());
-    let Some(name) = name else {
-        return Err(Failure::input("the manifest has no name").into());
-    };
-    let folder = args.manifest.parent().unwrap_or(Path::new("."));
-    let folder = if folder == Path::new("") {
-        Path::new(".")
-    } else {
-        folder
-    };
-    let work = Work::open(folder)?;
+    let (place, name) = split(&args.manifest)?;
+    let work = Work::open(&place)?;
     let manifest = Manifest::load(&work.store, name).map_err(told)?;
     let observer = observer(true);
     let result = run_task(&work.store, &*work.source, &manifest, args.row, &*observer);

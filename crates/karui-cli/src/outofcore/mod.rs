@@ -3,9 +3,11 @@
 mod arguments;
 mod failure;
 mod observer;
+mod place;
 mod work;
 
 pub use arguments::{BlockArgs, CutArgs, TargetArgs, memory};
 pub use failure::told;
 pub use observer::observer;
+pub use place::split;
 pub use work::{Work, finish};

@@ -1,19 +1,17 @@
 //! A plan, its store and its model, opened together.
 
-use super::{observer, told};
+use super::{observer, place::Place, told};
 use crate::console::Console;
 use crate::failure::Failure;
 use anyhow::Result;
-use karui::outofcore::{
-    self, Error, Folder, Manifest, Plan, PlanOptions, RunOptions, Source, Store, Summary,
-};
+use karui::outofcore::{self, Error, Manifest, Plan, PlanOptions, RunOptions, Source, Summary};
 use karui_io::{Format, slices::PlyWriter};
 use std::path::Path;
 
 /// A plan, its store and its model.
 pub struct Work {
     /// Where blocks are kept.
-    pub store: Folder,
+    pub store: Place,
     /// The model.
     pub source: Box<dyn Source + Send>,
     /// What is to be done.
@@ -27,7 +25,7 @@ impl Work {
         // Tasks may run elsewhere.
         let uri = std::path::absolute(input)?.display().to_string();
         let plan = Plan::new(&*source, &uri, options).map_err(told)?;
-        let store = Folder::create(folder).map_err(told)?;
+        let store = Place::create(folder)?;
         plan.save(&store).map_err(told)?;
         Ok(Self {
             store,
@@ -38,7 +36,7 @@ impl Work {
 
     /// Opens the plan in `folder`.
     pub fn open(folder: &Path) -> Result<Self> {
-        let store = Folder::open(folder);
+        let store = Place::open(folder)?;
         let plan = Plan::load(&store).map_err(|error| match error {
             Error::Missing { .. } => {
                 let message = format!("{} holds no plan", folder.display());
@@ -79,7 +77,7 @@ impl Work {
 
     /// What was wrong, and that nothing done is lost.
     fn stopped(&self, error: Error) -> anyhow::Error {
-        let folder = self.store.root().display();
+        let folder = self.store.name().display();
         let hint = format!("what is done is kept; `karui plan resume {folder}` goes on from there");
         match &error {
             Error::Block(karui::Error::Cancelled) => {
@@ -88,17 +86,6 @@ impl Work {
             Error::Store { .. } => told(error).context(hint),
             _ => told(error),
         }
-    }
-
-    /// Takes all of the store away.
-    pub fn clear(&self) -> Result<()> {
-        self.store.sweep().map_err(told)?;
-        for name in self.store.list().map_err(told)? {
-            self.store.remove(&name).map_err(told)?;
-        }
-        // Fails if there is something of somebody else's in it, which is right.
-        let _ = std::fs::remove_dir(self.store.root());
-        Ok(())
     }
 }
 

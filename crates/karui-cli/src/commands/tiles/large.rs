@@ -25,10 +25,11 @@ pub struct LargeArgs {
     /// Triangles of a block [default: as many as let two fit the memory]
     #[arg(long, value_name = "COUNT", requires = "memory_limit")]
     block_triangles: Option<u64>,
-    /// Folder for what is not finished [default: the output's name with .karui]
-    #[arg(long, value_name = "FOLDER", requires = "memory_limit")]
+    /// Folder, or s3://, gs:// or az:// URL, for what is not finished [default: the output's name
+    /// with .karui]
+    #[arg(long, value_name = "PLACE", requires = "memory_limit")]
     work: Option<PathBuf>,
-    /// Leave that folder when all is done
+    /// Leave that when all is done
     #[arg(long, requires = "memory_limit")]
     keep_work: bool,
 }
@@ -70,7 +71,7 @@ pub fn run(args: &Args, memory: u64, options: &TilesOptions, console: &Console) 
     let folder = large.folder(&args.output);
     let plan = large.plan(args.cut.triangles, memory);
     let work = Work::create(&args.input, &folder, plan)?;
-    work.store.sweep().map_err(told)?;
+    work.store.sweep()?;
     work.run(memory, rayon::current_num_threads(), console)?;
     let write = match large.tiling {
         Tiling::Explicit => write_blocks,
@@ -85,7 +86,7 @@ pub fn run(args: &Args, memory: u64, options: &TilesOptions, console: &Console) 
     })?;
     report(args, &work, &written, console)?;
     if !large.keep_work {
-        work.clear()?;
+        work.store.clear()?;
     }
     Ok(())
 }

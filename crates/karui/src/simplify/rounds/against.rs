@@ -3,6 +3,7 @@
 use super::block::Block;
 use super::price::Offer;
 use super::repair::Guard;
+use crate::geom::closest_point;
 use crate::spatial::Normals;
 use glam::Vec3;
 
@@ -47,7 +48,18 @@ impl Guard<'_> {
     fn is_against(&self, after: &After) -> bool {
         let own = Normals::NONE.with(after.normal);
         // Not from the rounded centre, which may be nearer to another sheet.
-        !self.agrees(after.center, after.reach, own) && self.opposes_from(after.corners, after.slot)
+        !self.agrees(after.center, after.reach, own)
+            && !self.agrees(after.center, self.closer_reach(after), own)
+            && self.opposes_from(after.corners, after.slot)
+    }
+
+    /// How far the triangle that one has come from is from its centre. Of a
+    /// sliver that is far less than the distance to a corner, and to find the
+    /// nearest of very many that meet in a point takes long.
+    fn closer_reach(&self, after: &After) -> f32 {
+        let there = self.index.corners(after.slot);
+        let center = after.center.as_dvec3();
+        center.distance(closest_point(center, there)) as f32
     }
 
     fn agrees(&self, center: Vec3, radius: f32, normals: Normals) -> bool {

@@ -2,6 +2,7 @@
 
 use super::block::{Block, DEAD, Kind, Span, range};
 use super::fan::Side;
+use super::hub::place_of;
 use super::planes::Planes;
 use super::price::Offer;
 use super::repaint::Repaint;
@@ -79,7 +80,7 @@ impl Block {
     pub(super) fn take_from(&mut self, p: u32, t: u32) {
         let span = &mut self.span[p as usize];
         let list = &mut self.list[range(*span)];
-        if let Some(at) = list.iter().position(|&other| other == t) {
+        if let Some(at) = place_of(t, list) {
             list.swap(at, list.len() - 1);
             span.len -= 1;
         }

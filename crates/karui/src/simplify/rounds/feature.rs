@@ -6,6 +6,7 @@ use super::paint::Pairs;
 use super::planes::Planes;
 use super::star::Star;
 use smallvec::SmallVec;
+use std::collections::HashMap;
 
 /// What makes an edge a feature: 1, a border; 3 and more, so many triangles;
 /// or this, a seam.
@@ -165,11 +166,16 @@ impl Block {
     /// Neighbours of `p`.
     fn ring(&self, p: u32) -> SmallVec<[Neighbour; 12]> {
         let mut ring = SmallVec::<[Neighbour; 12]>::new();
+        let mut places = self.is_hub(p).then(HashMap::new);
         for &t in self.triangles_at(p) {
             let (q, r) = others(self.triangle[t as usize], p);
             let look = self.aspect(t, p);
             for point in [q, r] {
-                match ring.iter_mut().find(|n| n.point == point) {
+                let known = match &mut places {
+                    Some(places) => Some(*places.entry(point).or_insert(ring.len())),
+                    None => ring.iter().position(|n| n.point == point),
+                };
+                match known.and_then(|at| ring.get_mut(at)) {
                     Some(known) => {
                         known.triangles += 1;
                         known.split |= known.look != look;
@@ -188,6 +194,9 @@ impl Block {
 
     /// Number of triangles with both points.
     pub fn shared_triangles(&self, a: u32, b: u32) -> usize {
+        // Through the shorter list: the other may be a hub's.
+        let len = |p: u32| self.span[p as usize].len;
+        let (a, b) = if len(b) < len(a) { (b, a) } else { (a, b) };
         let has_b = |&&t: &&u32| self.triangle[t as usize].contains(&b);
         self.triangles_at(a).iter().filter(has_b).count()
     }
@@ -213,6 +222,9 @@ impl Block {
     /// Which end of the edge from `a` to `b` may vanish.
     #[inline]
     pub fn ends(&self, a: u32, b: u32) -> Ends {
+        if self.is_hub(a) || self.is_hub(b) {
+            return Ends::None;
+        }
         if [a, b]
             .iter()
             .all(|&p| self.kind[p as usize] == Kind::Interior)

@@ -51,7 +51,8 @@ impl Block {
             .collect();
         for k in 0..3 {
             let (point, q, r) = (points[k], points[(k + 1) % 3], points[(k + 2) % 3]);
-            if self.kind[point as usize] == Kind::Interior && !self.rules.subset {
+            let moves = self.kind[point as usize] == Kind::Interior && !self.is_hub(point);
+            if moves && !self.rules.subset {
                 let places = self.places(point, [q, r], guard);
                 cures.extend(places.into_iter().map(|place| Cure::Move { point, place }));
             }

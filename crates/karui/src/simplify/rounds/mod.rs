@@ -12,6 +12,7 @@ mod block;
 mod collapse;
 mod fan;
 mod feature;
+mod hub;
 mod input;
 mod lanes;
 mod level;
@@ -214,7 +215,13 @@ impl Run<'_> {
     /// done or nothing happens any more. Returns what each round did.
     fn phase(&mut self, blocks: &mut [Block]) -> Result<Vec<Step>> {
         let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
-        let enough = self.halfway(all(blocks));
+        let stuck: Vec<usize> = blocks.par_iter().map(Block::stuck).collect();
+        let (stuck, start) = (stuck.iter().sum::<usize>(), all(blocks));
+        let enough = match start - stuck {
+            // The others must not come down for these: the next cut may free them.
+            free if stuck > 0 && free > 0 => Some(stuck + (free as f64 * PHASE) as usize),
+            _ => self.halfway(start),
+        };
         let enough = enough.filter(|_| blocks.len() > 1 || self.eases);
         let dear = EASE_PRICE * self.paid;
         let least = enough.unwrap_or(0).max(self.target.triangles);

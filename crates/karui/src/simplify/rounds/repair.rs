@@ -238,7 +238,8 @@ impl Block {
         let points = self.triangle[t as usize];
         let [a, b, c] = points;
         let mut edges = vec![(a, b), (b, c), (c, a)];
-        for p in points {
+        // No edge of a hub may collapse.
+        for p in points.into_iter().filter(|&p| !self.is_hub(p)) {
             for &near in self.triangles_at(p) {
                 let (q, r) = others(self.triangle[near as usize], p);
                 let both = [q, r].into_iter().filter(|n| !points.contains(n));

@@ -74,14 +74,31 @@ impl Block {
         self.round += 1;
     }
 
+    /// How many triangles there are if none of their edges may collapse: around a hub a cut can
+    /// leave a block of spokes whose other ends are all shared.
+    pub fn stuck(&self) -> usize {
+        let may_collapse = |&[a, b, c]: &[u32; 3]| {
+            let mut edges = [(a, b), (b, c), (c, a)].into_iter();
+            edges.any(|(p, q)| self.offer(p.min(q), p.max(q)).is_some())
+        };
+        let mut alive = self.triangle.iter().filter(|points| points[0] != DEAD);
+        if alive.any(may_collapse) {
+            0
+        } else {
+            self.alive
+        }
+    }
+
     /// What decides how the edges of every point are looked at.
     fn states(&self) -> Vec<u8> {
-        let state = |(kind, changed): (&Kind, &u32)| {
-            let free = if *kind == Kind::Interior { FREE } else { 0 };
+        let state = |(p, (kind, changed)): (u32, (&Kind, &u32))| {
+            let is_free = *kind == Kind::Interior && !self.is_hub(p);
+            let free = if is_free { FREE } else { 0 };
             let fresh = if *changed >= self.round { FRESH } else { 0 };
             free | fresh
         };
-        self.kind.iter().zip(&self.changed).map(state).collect()
+        let both = self.kind.iter().zip(&self.changed);
+        (0..).zip(both).map(state).collect()
     }
 
     /// Price of a half-edge whose ends are not both free, or may not move:
@@ -134,7 +151,7 @@ impl Block {
                 let kinds = [p, q].map(|p| self.kind[p as usize]);
                 if kinds.contains(&Kind::Seam) {
                     self.refused.count(Refusal::Seams);
-                } else if kinds.contains(&Kind::Locked) {
+                } else if kinds.contains(&Kind::Locked) || self.is_hub(p) || self.is_hub(q) {
                     self.refused.count(Refusal::Locked);
                 } else if !kinds.contains(&Kind::Shared) {
                     self.refused.count(Refusal::Topology);

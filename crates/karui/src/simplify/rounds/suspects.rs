@@ -82,17 +82,24 @@ impl Suspect {
         self.far().min(CLOSE * longest)
     }
 
-    /// How far away it is at most.
+    /// How far away it is at most: the triangle it has come from, which as a sliver may have
+    /// all its corners far away.
     fn far(&self) -> f32 {
-        self.center().distance(self.source[0].as_vec3()) * (1.0 + 1e-5)
+        let center = self.center();
+        let margin = 4.0 * f32::EPSILON * center.length();
+        self.from_source() * (1.0 + 1e-5) + margin
+    }
+
+    fn from_source(&self) -> f32 {
+        let center = self.center().as_dvec3();
+        center.distance(closest_point(center, self.source)) as f32
     }
 
     /// Whether the input is known to be within `reach` and faces as the suspect does all
     /// around, so that the nearest does, too. Where very many triangles meet in a point, that
     /// is told sooner than which of them is nearest.
     fn clearly_agrees(&self, index: &Bvh, facings: &Facings, reach: f32) -> bool {
-        let center = self.center().as_dvec3();
-        let distance = center.distance(closest_point(center, self.source)) as f32;
+        let distance = self.from_source();
         let [a, b, c] = self.corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         distance <= reach

@@ -1,0 +1,98 @@
+//! Plans in the bucket that `KARUI_CLOUD` names, e.g. `s3://bucket/prefix`; the environment says
+//! who asks and where, e.g. a server on loopback.
+#![cfg(feature = "cloud")]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::Folder;
+use karui::outofcore::Store as _;
+use karui_io::Cloud;
+
+const SIMPLIFY: &str = "--ratio 0.1 --memory-limit 20MiB -q";
+
+/// A place of its own in the bucket; none, with a reason, without a bucket.
+fn place(test: &str) -> Option<String> {
+    let Ok(url) = std::env::var("KARUI_CLOUD") else {
+        println!("SKIPPED: KARUI_CLOUD names no bucket");
+        return None;
+    };
+    let url = format!("{url}/{test}-{}", std::process::id());
+    assert!(Cloud::open(&url).unwrap().list().unwrap().is_empty());
+    Some(url)
+}
+
+/// A folder with land of 131,072 triangles, and a tenth of it that was made without a cloud.
+fn land() -> Folder {
+    let folder = Folder::new();
+    folder.ok("scene terrain --size 257x257 -o land.ply -q");
+    folder.ok(&format!("simplify land.ply {SIMPLIFY} -o whole.ply"));
+    folder
+}
+
+fn clear(url: &str) {
+    let cloud = Cloud::open(url).unwrap();
+    for name in cloud.list().unwrap() {
+        cloud.remove(&name).unwrap();
+    }
+}
+
+#[test]
+fn simplified_by_way_of_a_bucket_a_model_has_the_same_bytes() {
+    let Some(url) = place("simplify") else { return };
+    let folder = land();
+    folder.ok(&format!(
+        "simplify land.ply {SIMPLIFY} --work {url} -o cloud.ply"
+    ));
+    assert!(folder.read("whole.ply") == folder.read("cloud.ply"));
+    assert!(Cloud::open(&url).unwrap().list().unwrap().is_empty());
+    let shown = folder.fails(2, &format!("plan show {url}"));
+    assert!(shown.err.contains("holds no plan"), "{shown:?}");
+}
+
+#[test]
+fn rows_run_by_programs_of_their_own_and_damage_is_mended() {
+    let Some(url) = place("rows") else { return };
+    let folder = land();
+    let new = format!("plan new land.ply {url} --ratio 0.1 --memory-limit 20MiB --json");
+    let mut step = folder.ok(&new).json();
+    while step["done"] == false {
+        let manifest = step["manifest"].as_str().unwrap().to_owned();
+        assert!(manifest.starts_with(&url), "{manifest}");
+        for row in 0..step["rows"].as_u64().unwrap() {
+            folder.ok(&format!("task run {manifest} --row {row}"));
+        }
+        step = folder.ok(&format!("plan next {url} --json")).json();
+    }
+    folder.ok(&format!("plan write {url} -o rows.ply"));
+    assert!(folder.read("whole.ply") == folder.read("rows.ply"));
+
+    let cloud = Cloud::open(&url).unwrap();
+    let names = cloud.list().unwrap();
+    let last = names.iter().rfind(|n| n.ends_with(".block")).unwrap();
+    let mut bytes = cloud.get(last).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    cloud.put(last, &bytes).unwrap();
+    let ran = folder.run(&format!("plan verify {url}"));
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert_eq!(ran.out, format!("{last}\n"));
+    folder.ok(&format!("plan resume {url} -o mended.ply -q"));
+    assert!(folder.read("whole.ply") == folder.read("mended.ply"));
+    clear(&url);
+}
+
+#[test]
+fn a_bucket_that_does_not_exist_is_told_with_its_url() {
+    if place("none").is_none() {
+        return;
+    }
+    let folder = land();
+    let url = "s3://karui-has-no-such-bucket/work";
+    let ran = folder.run(&format!(
+        "simplify land.ply {SIMPLIFY} --work {url} -o no.ply"
+    ));
+    assert_eq!(ran.code, Some(3), "{ran:?}");
+    assert!(ran.err.contains(&format!("{url}/plan.json")), "{ran:?}");
+    assert!(!folder.path("no.ply").exists());
+}
