@@ -66,8 +66,8 @@ impl Cage {
     /// # Errors
     /// [`Error::Empty`] without faces, [`Error::LengthMismatch`] if offsets do not fit,
     /// [`Error::DegenerateFace`] for fewer than three corners,
-    /// [`Error::IndexOutOfRange`], [`Error::NotFinite`] for a sharpness,
-    /// [`Error::TooLarge`].
+    /// [`Error::IndexOutOfRange`], [`Error::NotFinite`] or, if negative,
+    /// [`Error::BadOption`] for a sharpness, [`Error::TooLarge`].
     pub fn validate(&self) -> Result<()> {
         if self.face_count() == 0 {
             return Err(Error::Empty { what: "cage" });
@@ -101,13 +101,9 @@ impl Cage {
 
     fn check_tags(&self) -> Result<()> {
         let creases = self.creases.iter().map(|c| c.sharpness);
-        let finite = |what: &str, mut all: Box<dyn Iterator<Item = f32> + '_>| {
-            let bad = all.position(|s| !s.is_finite());
-            bad.map_or(Ok(()), |index| Err(not_finite(what, index)))
-        };
-        finite("sharpness of crease", Box::new(creases))?;
+        check_sharpness("sharpness of crease", creases)?;
         let corners = self.corners.iter().map(|c| c.sharpness);
-        finite("sharpness of corner", Box::new(corners))?;
+        check_sharpness("sharpness of corner", corners)?;
         let ends = self.creases.iter().flat_map(|c| c.vertices);
         let mut named = ends.chain(self.corners.iter().map(|c| c.vertex));
         if let Some(index) = named.find(|&v| v as usize >= self.vertices) {
@@ -136,6 +132,22 @@ impl Cage {
             vertices: self.vertices,
         }
     }
+}
+
+fn check_sharpness(what: &'static str, all: impl Iterator<Item = f32>) -> Result<()> {
+    for (index, sharpness) in all.enumerate() {
+        if !sharpness.is_finite() {
+            return Err(not_finite(what, index));
+        }
+        if sharpness < 0.0 {
+            return Err(Error::BadOption {
+                option: what,
+                found: format!("{sharpness} at {index}"),
+                expected: "0 or more",
+            });
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn not_finite(what: &str, index: usize) -> Error {

@@ -90,8 +90,9 @@ impl Drawing {
             .collect_into_vec(&mut to.points);
         let normals = to.mesh.attributes.normals.get_or_insert_default();
         wedges.clone().map(|w| w.normal).collect_into_vec(normals);
-        let limits = wedges.map(|w| shared.points[w.point as usize].limit);
-        limits.collect_into_vec(&mut to.mesh.positions);
+        wedges
+            .map(|w| w.limit)
+            .collect_into_vec(&mut to.mesh.positions);
         if limit {
             return;
         }

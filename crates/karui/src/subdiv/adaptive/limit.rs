@@ -8,9 +8,34 @@ use crate::geom::sin_cos;
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// Steps after which a fan is a point for all that `f32` can tell; it halves in each.
 const DART_STEPS: usize = 40;
+
+/// Most vertices have no more quads around them than this.
+const FEW: usize = 16;
+
+static TURNS: LazyLock<Vec<Turns>> = LazyLock::new(|| (0..FEW).map(Turns::of).collect());
+
+/// Sines and cosines of the shares of a turn.
+#[derive(Debug)]
+struct Turns {
+    /// Of `i` of `n` parts, and the whole turn.
+    around: Vec<(f64, f64)>,
+    /// Cosine of half a part.
+    half: f64,
+}
+
+impl Turns {
+    fn of(n: usize) -> Self {
+        let part = |i: usize| sin_cos(TAU * i as f64 / n as f64);
+        Self {
+            around: (0..=n).map(part).collect(),
+            half: sin_cos(PI / n as f64).1,
+        }
+    }
+}
 
 /// Quads around a vertex, or a part of them: `spokes[i]` and `spokes[i + 1]` are the
 /// vertices beside it of the `i`-th quad, `diagonals[i]` is the one across.
@@ -38,12 +63,16 @@ impl Fan {
     /// Normal where nothing is sharp, of length 1; of any where there is none.
     pub fn smooth_normal(&self) -> DVec3 {
         let n = self.diagonals.len();
-        let (_, c) = sin_cos(TAU / n as f64);
-        let (_, half) = sin_cos(PI / n as f64);
-        let spoke = 1.0 + c + half * (2.0 * (9.0 + c)).sqrt();
+        let mut others = None;
+        let turns = match TURNS.get(n) {
+            Some(turns) => turns,
+            None => others.insert(Turns::of(n)),
+        };
+        let (_, c) = turns.around[1];
+        let spoke = 1.0 + c + turns.half * (2.0 * (9.0 + c)).sqrt();
         let (mut u, mut v) = (DVec3::ZERO, DVec3::ZERO);
         for i in 0..n {
-            let [(s0, c0), (s1, c1)] = [i, i + 1].map(|i| sin_cos(TAU * i as f64 / n as f64));
+            let [(s0, c0), (s1, c1)] = [i, i + 1].map(|i| turns.around[i]);
             u += self.spokes[i] * (spoke * c0) + self.diagonals[i] * (c0 + c1);
             v += self.spokes[i] * (spoke * s0) + self.diagonals[i] * (s0 + s1);
         }

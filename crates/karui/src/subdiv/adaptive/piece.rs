@@ -70,9 +70,10 @@ impl Store {
     /// What is known of a piece.
     pub fn shape(&self, t: usize, piece: Piece) -> &Shape {
         match piece {
-            Piece::Face(f) => &self.tiers[t].faces[f as usize].shape,
-            Piece::Diamond(e) => &self.tiers[t].edges[e as usize].shape,
+            Piece::Face(f) => self.tiers[t].face_shapes.get(f as usize),
+            Piece::Diamond(e) => self.tiers[t].edge_shapes.get(e as usize),
         }
+        .unwrap_or(&Shape::UNKNOWN)
     }
 
     /// Finds the shape of a piece and its limits, once.
@@ -90,11 +91,15 @@ impl Store {
         for polygon in self.polygons(t, piece) {
             self.add(tier, &polygon, piece, &mut corners);
         }
-        let shape = corners.shape();
-        match piece {
-            Piece::Face(f) => self.tiers[t].faces[f as usize].shape = shape,
-            Piece::Diamond(e) => self.tiers[t].edges[e as usize].shape = shape,
+        let tier = &mut self.tiers[t];
+        let (shapes, count, id) = match piece {
+            Piece::Face(f) => (&mut tier.face_shapes, tier.faces.len(), f),
+            Piece::Diamond(e) => (&mut tier.edge_shapes, tier.edges.len(), e),
+        };
+        if shapes.len() <= id as usize {
+            shapes.resize(count, Shape::UNKNOWN);
         }
+        shapes[id as usize] = corners.shape();
     }
 
     /// Adds a polygon. Its distance to the limit surface is found as if that were made of
@@ -110,6 +115,7 @@ impl Store {
             way = way.max(limit.distance(self.corner_position(t, c)));
             to.limits.push(limit);
             to.normals.push(normal);
+            to.wedges.push(wedge);
             to.points.push(self.wedges[wedge as usize].point);
         }
         to.error = to.error.max(way * way_factor(piece, n));
@@ -134,8 +140,7 @@ impl Store {
     /// Limit position and normal of a wedge.
     pub fn limit(&self, wedge: u32) -> (DVec3, DVec3) {
         let wedge = &self.wedges[wedge as usize];
-        let limit = self.points[wedge.point as usize].limit;
-        (limit.as_dvec3(), wedge.normal.as_dvec3())
+        (wedge.limit.as_dvec3(), wedge.normal.as_dvec3())
     }
 
     /// As [`Store::limit`], of a corner whose wedge is known.
@@ -152,6 +157,7 @@ struct Corners {
     limits: SmallVec<[DVec3; 8]>,
     normals: SmallVec<[DVec3; 16]>,
     points: SmallVec<[u32; 8]>,
+    wedges: SmallVec<[u32; 8]>,
     error: f64,
     side: f64,
 }
@@ -185,6 +191,7 @@ impl Corners {
                 [a, b, c, d] => [a, b, c, d],
                 _ => [NONE; 4],
             },
+            wedges: self.wedges[..].try_into().unwrap_or([NONE; 4]),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::eye::{Eye, corner_normals};
 use super::options::AdaptiveOptions;
-use super::piece::Piece;
+use super::piece::{Piece, Polygon};
 use super::split::Cut;
 use super::store::{NONE, Store};
 use glam::DVec3;
@@ -17,8 +17,10 @@ const BOTH: u32 = 0b11;
 const FIRST: u32 = 0x5555_5555;
 
 /// What is seen of a piece.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Seen {
+    /// As in [`Shape`].
+    points: [u32; 4],
     flags: u32,
     /// Whether any of it faces the eye.
     front: bool,
@@ -77,28 +79,40 @@ fn choose(
     (eye, options, pass): (&Eye, &AdaptiveOptions, u32),
 ) -> Vec<bool> {
     let t = depth / 2;
-    for &id in offers {
-        store.measure(t, piece(depth, id));
+    let eyes = (eye, options.two_sided);
+    let mut seen = Vec::new();
+    let shared = &*store;
+    let all = offers.par_iter().with_min_len(BATCH);
+    all.map(|&id| look(shared, t, piece(depth, id), eyes))
+        .collect_into_vec(&mut seen);
+    for (&id, seen) in offers.iter().zip(&mut seen) {
+        if seen.is_none() {
+            store.measure(t, piece(depth, id));
+            *seen = look(store, t, piece(depth, id), eyes);
+        }
     }
     store.marks.resize(store.points.len(), [0; 2]);
-    let mut seen = Vec::new();
-    let all = offers.par_iter().with_min_len(BATCH);
-    all.map(|&id| look(store, t, piece(depth, id), (eye, options.two_sided)))
-        .collect_into_vec(&mut seen);
     for (&id, seen) in offers.iter().zip(&seen) {
-        store.mark(t, piece(depth, id), seen.flags, pass);
+        if let Some(seen) = seen {
+            store.mark(t, piece(depth, id), seen, pass);
+        }
     }
     let store = &*store;
     let all = offers.par_iter().zip(&seen).with_min_len(BATCH);
     let chosen = all.map(|(&id, seen)| {
-        let marks = store.marked(t, piece(depth, id));
+        let Some(seen) = seen else { return false };
+        let marks = store.marked(t, piece(depth, id), seen);
         wanted(seen, marks, depth as u32, options)
     });
     chosen.collect()
 }
 
-fn look(store: &Store, t: usize, piece: Piece, (eye, two_sided): (&Eye, bool)) -> Seen {
+/// What is seen of a piece, if that has been measured.
+fn look(store: &Store, t: usize, piece: Piece, (eye, two_sided): (&Eye, bool)) -> Option<Seen> {
     let shape = store.shape(t, piece);
+    if shape.error < 0.0 {
+        return None;
+    }
     let (center, radius) = (shape.center.as_dvec3(), f64::from(shape.radius));
     let pixels = eye.pixels(center, radius);
     let mut flags = 0;
@@ -109,32 +123,52 @@ fn look(store: &Store, t: usize, piece: Piece, (eye, two_sided): (&Eye, bool)) -
             None => facings(store, t, piece, eye) & BOTH << (2 * i),
         };
     }
-    Seen {
+    Some(Seen {
+        points: shape.points,
         flags,
         front: flags & 1 != 0 || two_sided,
         outside: eye.outside(center, radius),
         error: f64::from(shape.error) * pixels,
         side: f64::from(shape.side) * pixels,
-    }
+    })
 }
 
 /// Bits of what faces whom in a piece, corner by corner: the eye by normals of the polygon,
 /// as published, and by those of the surface; lights by these alone.
 fn facings(store: &Store, t: usize, piece: Piece, eye: &Eye) -> u32 {
-    let tier = Store::tier_of(t, piece);
-    let mut flags = 0;
-    for polygon in store.polygons(t, piece) {
-        let mut limits: SmallVec<[DVec3; 8]> = SmallVec::new();
-        for &c in &polygon {
-            let (limit, normal) = store.corner_limit(tier, c);
-            flags |= facing(eye, limit, normal);
-            limits.push(limit);
-        }
-        for (&limit, normal) in limits.iter().zip(corner_normals(&limits)) {
-            flags |= facing(eye, limit, normal) & BOTH;
-        }
+    let quad = store.shape(t, piece).wedges;
+    if quad[0] != NONE {
+        return polygon_facings(&quad.map(|w| store.limit(w)), eye);
     }
-    flags
+    let tier = Store::tier_of(t, piece);
+    let corners = |c: &u32| store.corner_limit(tier, *c);
+    let of = |polygon: Polygon| {
+        let corners: SmallVec<[_; 8]> = polygon.iter().map(corners).collect();
+        polygon_facings(&corners, eye)
+    };
+    store
+        .polygons(t, piece)
+        .into_iter()
+        .map(of)
+        .fold(0, |a, b| a | b)
+}
+
+/// As [`facings`], of corners with their normals.
+fn polygon_facings(corners: &[(DVec3, DVec3)], eye: &Eye) -> u32 {
+    let of_surface = corners
+        .iter()
+        .map(|&(limit, normal)| facing(eye, limit, normal));
+    let flags = of_surface.fold(0, |a, b| a | b);
+    // Nothing is left to learn of the eye.
+    if flags & BOTH == BOTH {
+        return flags;
+    }
+    let limits: SmallVec<[DVec3; 8]> = corners.iter().map(|c| c.0).collect();
+    let of_polygon = limits
+        .iter()
+        .zip(corner_normals(&limits))
+        .map(|(&limit, normal)| facing(eye, limit, normal) & BOTH);
+    of_polygon.fold(flags, |a, b| a | b)
 }
 
 /// Bits of what faces whom.
@@ -185,33 +219,35 @@ fn unfinished(seen: &Seen, pixels: Option<f64>, options: &AdaptiveOptions) -> bo
 
 impl Store {
     /// Leaves flags at all points of a piece.
-    fn mark(&mut self, t: usize, piece: Piece, flags: u32, pass: u32) {
-        for point in self.piece_points(t, piece) {
+    fn mark(&mut self, t: usize, piece: Piece, seen: &Seen, pass: u32) {
+        let points = match seen.points[0] {
+            NONE => self.corner_points(t, piece),
+            _ => SmallVec::from_slice(&seen.points),
+        };
+        for point in points {
             let mark = &mut self.marks[point as usize];
             let old = if mark[0] == pass { mark[1] } else { 0 };
-            *mark = [pass, old | flags];
+            *mark = [pass, old | seen.flags];
         }
     }
 
     /// Lookers that one of the piece's points has something towards and something away from:
     /// both bits of theirs.
-    fn marked(&self, t: usize, piece: Piece) -> u32 {
+    fn marked(&self, t: usize, piece: Piece, seen: &Seen) -> u32 {
         let both = |point: u32| {
             let flags = self.marks[point as usize][1];
             let pairs = flags & flags >> 1 & FIRST;
             pairs | pairs << 1
         };
-        self.piece_points(t, piece)
-            .into_iter()
-            .map(both)
-            .fold(0, |a, b| a | b)
+        if seen.points[0] != NONE {
+            return seen.points.map(both).into_iter().fold(0, |a, b| a | b);
+        }
+        let points = self.corner_points(t, piece).into_iter();
+        points.map(both).fold(0, |a, b| a | b)
     }
 
-    fn piece_points(&self, t: usize, piece: Piece) -> SmallVec<[u32; 4]> {
-        let points = self.shape(t, piece).points;
-        if points[0] != NONE {
-            return SmallVec::from_buf(points);
-        }
+    /// Points of a piece of many corners.
+    fn corner_points(&self, t: usize, piece: Piece) -> SmallVec<[u32; 8]> {
         let tier = Self::tier_of(t, piece);
         let wedge = |c: u32| self.wedges[self.tiers[tier].wedges[c as usize] as usize].point;
         self.polygons(t, piece)

@@ -49,8 +49,9 @@ impl Cut<'_> {
         self.faces += corners.len() - 1;
         for c in corners {
             let e = self.store.tiers[t].corner_edges[c as usize];
-            self.faces -= usize::from(self.store.is_merged(t, e, self.frame));
-            self.offer(t, Piece::Diamond(e));
+            // Offered before by the face across: two triangles are one now.
+            let again = self.offer(t, Piece::Diamond(e));
+            self.faces -= usize::from(again && self.store.is_merged(t, e, self.frame));
         }
         true
     }
@@ -76,11 +77,10 @@ impl Cut<'_> {
             let child = self.store.tiers[t].child(c);
             self.store.wedge(t + 1, 4 * child + 1);
             for corner in [c, self.store.tiers[t].next(c)] {
-                let mut beside = self.store.beside(t, corner).into_iter();
-                let merged = beside.all(|e| self.store.is_split(t, e, self.frame));
-                self.faces -= usize::from(merged);
                 let child = self.store.tiers[t].child(corner);
-                self.offer(t + 1, Piece::Face(child));
+                // Offered before by the diamond on its other side.
+                let again = self.offer(t + 1, Piece::Face(child));
+                self.faces -= usize::from(again);
             }
         }
         true
@@ -100,21 +100,26 @@ impl Cut<'_> {
         self.store.tiers[t].faces[f as usize].split == self.frame
     }
 
-    /// Puts a piece among those of its depth, once a frame.
-    pub fn offer(&mut self, t: usize, piece: Piece) {
-        let depth = 2 * t + usize::from(matches!(piece, Piece::Diamond(_)));
-        let Some(offers) = self.offers.get_mut(depth) else {
-            return;
+    /// Puts a piece among those of its depth, once a frame, if there is such a depth. Says
+    /// whether it had been offered.
+    pub fn offer(&mut self, t: usize, piece: Piece) -> bool {
+        let (depth, id) = match piece {
+            Piece::Face(f) => (2 * t, f),
+            Piece::Diamond(e) => (2 * t + 1, e),
         };
-        let (offered, id) = match piece {
-            Piece::Face(f) if self.store.is_hole(t, f) => return,
-            Piece::Face(f) => (&mut self.store.tiers[t].faces[f as usize].offered, f),
-            Piece::Diamond(e) => (&mut self.store.tiers[t].edges[e as usize].offered, e),
+        let tier = &mut self.store.tiers[t];
+        let offered = match piece {
+            Piece::Face(f) => &mut tier.faces[f as usize].offered,
+            Piece::Diamond(e) => &mut tier.edges[e as usize].offered,
         };
-        if *offered != self.frame {
-            *offered = self.frame;
+        if std::mem::replace(offered, self.frame) == self.frame {
+            return true;
+        }
+        let hole = matches!(piece, Piece::Face(f) if self.store.is_hole(t, f));
+        if let Some(offers) = self.offers.get_mut(depth).filter(|_| !hole) {
             offers.push(id);
         }
+        false
     }
 }
 

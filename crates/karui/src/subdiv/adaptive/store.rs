@@ -54,8 +54,6 @@ pub(super) struct Edge {
     pub sharpness: f32,
     /// Whether it has one face only.
     pub open: bool,
-    /// Of its diamond.
-    pub shape: Shape,
     /// Frames in which its diamond was last split, and offered to be split.
     pub split: u32,
     pub offered: u32,
@@ -70,7 +68,6 @@ pub(super) struct Face {
     /// Its place: the cage's corner it lies at, then two bits a tier. In the order of places
     /// everything comes out the same, whatever was made first.
     pub place: u64,
-    pub shape: Shape,
     pub split: u32,
     pub offered: u32,
 }
@@ -85,6 +82,10 @@ pub(super) struct Tier {
     pub corners: Vec<u32>,
     pub corner_edges: Vec<u32>,
     pub wedges: Vec<u32>,
+    /// Of faces and of the diamonds over edges, as far as they have been asked for; apart from
+    /// them, so that these lie close together.
+    pub face_shapes: Vec<Shape>,
+    pub edge_shapes: Vec<Shape>,
     /// Where the corners of faces are; all others have four.
     pub cage: Option<Faces>,
 }
@@ -92,7 +93,6 @@ pub(super) struct Tier {
 /// A vertex through all tiers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point {
-    pub limit: Vec3,
     /// The frame in which `place`, its deepest tier and vertex there, was set.
     pub frame: u32,
     pub place: [u32; 2],
@@ -102,6 +102,8 @@ pub(super) struct Point {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wedge {
     pub point: u32,
+    /// Where the point goes in the limit.
+    pub limit: Vec3,
     pub normal: Vec3,
 }
 
@@ -120,6 +122,8 @@ pub(super) struct Shape {
     pub side: f32,
     /// Points of its corners, the last one twice for a triangle; `NONE` if there are more.
     pub points: [u32; 4],
+    /// Wedges of its corners if it is one polygon of four; else `NONE`.
+    pub wedges: [u32; 4],
 }
 
 impl Shape {
@@ -131,6 +135,7 @@ impl Shape {
         error: -1.0,
         side: 0.0,
         points: [NONE; 4],
+        wedges: [NONE; 4],
     };
 }
 
@@ -172,8 +177,8 @@ impl Store {
     pub fn move_cage(&mut self, positions: &[Vec3]) {
         for tier in &mut self.tiers {
             tier.vertices.iter_mut().for_each(|v| v.known = false);
-            tier.edges.iter_mut().for_each(|e| e.shape = Shape::UNKNOWN);
-            tier.faces.iter_mut().for_each(|f| f.shape = Shape::UNKNOWN);
+            tier.edge_shapes.clear();
+            tier.face_shapes.clear();
             tier.wedges.fill(NONE);
         }
         self.wedges.clear();
@@ -200,12 +205,14 @@ impl Store {
         self.marks.clear();
         cage.vertices.iter_mut().for_each(|v| v.child = NONE);
         cage.wedges.fill(NONE);
+        cage.edge_shapes.clear();
+        cage.face_shapes.clear();
         for edge in &mut cage.edges {
-            (edge.point, edge.halves, edge.shape) = (NONE, NONE, Shape::UNKNOWN);
+            (edge.point, edge.halves) = (NONE, NONE);
             (edge.split, edge.offered) = (0, 0);
         }
         for face in &mut cage.faces {
-            (face.children, face.shape) = (NONE, Shape::UNKNOWN);
+            face.children = NONE;
             (face.split, face.offered) = (0, 0);
         }
     }
@@ -227,7 +234,6 @@ impl Store {
 
 impl Point {
     pub const NEW: Self = Self {
-        limit: Vec3::ZERO,
         frame: 0,
         place: [0; 2],
     };
@@ -258,7 +264,6 @@ impl Edge {
             halves: NONE,
             sharpness,
             open,
-            shape: Shape::UNKNOWN,
             split: 0,
             offered: 0,
         }
@@ -271,7 +276,6 @@ impl Face {
             parent,
             children: NONE,
             place,
-            shape: Shape::UNKNOWN,
             split: 0,
             offered: 0,
         }
@@ -287,6 +291,8 @@ impl Tier {
             corners: Vec::new(),
             corner_edges: Vec::new(),
             wedges: Vec::new(),
+            face_shapes: Vec::new(),
+            edge_shapes: Vec::new(),
             cage: None,
         }
     }
@@ -318,6 +324,8 @@ impl Tier {
             corners: level.corners().to_vec(),
             corner_edges: level.corner_edges().to_vec(),
             wedges: vec![NONE; level.corners().len()],
+            face_shapes: Vec::new(),
+            edge_shapes: Vec::new(),
             cage: Some(level.faces().clone()),
         }
     }

@@ -71,13 +71,17 @@ impl Store {
             .filter(|_| rule == Rule::Smooth)
             .map(|sharp| fan.dart(sharp));
         let limit = dart.map_or_else(|| limit(&fan, rule, &sectors), |d| d.0);
-        self.points[vertex.point as usize].limit = limit.as_vec3();
+        let limit = limit.as_vec3();
         for sector in &sectors {
             let part = || normal(&fan.part(sector), rule, sectors.len(), at.is_open());
             let normal = dart.map_or_else(part, |d| d.1);
             let wedge = self.wedges.len() as u32;
             let (point, normal) = (vertex.point, normal.as_vec3());
-            self.wedges.push(Wedge { point, normal });
+            self.wedges.push(Wedge {
+                point,
+                limit,
+                normal,
+            });
             for i in sector.clone() {
                 let corner = ring.corners[i % ring.corners.len()];
                 self.tiers[t].wedges[corner as usize] = wedge;
