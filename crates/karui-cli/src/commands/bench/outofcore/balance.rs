@@ -48,7 +48,7 @@ pub fn run(size: Size, ratio: f64, folder: &Path) -> Result<(String, Value)> {
             block_triangles: work.plan.options.block_triangles,
             regions: first_level(&work)?,
         });
-        work.clear()?;
+        work.store.clear()?;
     }
     Ok((markdown(size, &rows), json!(rows)))
 }

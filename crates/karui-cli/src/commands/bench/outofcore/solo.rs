@@ -61,6 +61,6 @@ fn all(args: &Args, console: &Console) -> Result<Summary> {
     let work = Work::create(&args.input, &at("blocks"), options)?;
     let last = work.run(args.memory, threads(), console)?;
     let summary = work.write(&last, &at("coarse.ply"), console)?;
-    work.clear()?;
+    work.store.clear()?;
     Ok(summary)
 }
