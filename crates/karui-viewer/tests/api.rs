@@ -1,4 +1,5 @@
 //! What a page can ask for.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod common;

@@ -141,8 +141,8 @@ mod tests {
         let model = Model::of_mesh(&mesh);
         let found = |kind: Kind, width| kind.saliency(&model, width, &Silent).unwrap();
         let bends = curvature_sizes(&curvature(&mesh).unwrap());
-        assert_eq!(found(Kind::Curvature, None), [bends.clone()]);
         let smoothed = smooth(&mesh, &bends, 0.1).unwrap();
+        assert_eq!(found(Kind::Curvature, None), [bends]);
         assert_eq!(found(Kind::Curvature, Some(0.1)), [smoothed]);
         let shape = mesh_saliency(&mesh, &MeshSaliencyOptions::default()).unwrap();
         assert_eq!(found(Kind::Mesh, None), [shape]);
