@@ -165,3 +165,35 @@ pub(crate) fn check_corners(found: usize) -> Result<(), ErrorKind> {
         limit: u64::from(u32::MAX),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use karui::mesh::shapes;
+
+    #[test]
+    fn what_is_sent_reads_like_the_file_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = Scene::from_mesh(shapes::torus(1.0, 0.3, 12, 6));
+        for name in ["a.ply", "a.ply.gz", "a.obj.gz", "a.glb", "a.off", "a.stl"] {
+            let path = folder.path().join(name);
+            crate::write(&path, &scene).unwrap();
+            let bytes = std::fs::read(&path).unwrap();
+            let sent = read_sent(name, &bytes, &ReadOptions::default()).unwrap();
+            let file = read(&path).unwrap();
+            assert_eq!(sent.scene.meshes, file.meshes, "{name}");
+            let named_wrong = read_sent("a.fbx", &bytes[..4], &ReadOptions::default());
+            assert!(named_wrong.is_err());
+        }
+    }
+
+    #[test]
+    fn what_is_sent_has_no_companions() {
+        let obj = b"mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let sent = read_sent("a.obj", obj, &ReadOptions::default()).unwrap();
+        assert_eq!(sent.scene.triangle_count(), 1);
+        let gltf = br#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":4}]}"#;
+        let sent = read_sent("a.gltf", gltf, &ReadOptions::default());
+        assert!(sent.is_err() || sent.is_ok_and(|s| s.scene.triangle_count() == 0));
+    }
+}

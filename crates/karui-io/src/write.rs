@@ -125,3 +125,21 @@ pub(crate) fn write_file(
         encoder.finish().map(drop)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use karui::mesh::shapes;
+
+    #[test]
+    fn a_glb_in_memory_is_the_glb_on_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.glb");
+        let mut scene = Scene::from_mesh(shapes::torus(1.0, 0.3, 12, 6));
+        write(&path, &scene).unwrap();
+        let bytes = glb_bytes(&scene, &GltfOptions::default()).unwrap();
+        assert_eq!(bytes, std::fs::read(&path).unwrap());
+        scene.meshes[0].mesh.triangles[0] = [0, 1, 1_000_000];
+        assert!(glb_bytes(&scene, &GltfOptions::default()).is_err());
+    }
+}

@@ -63,9 +63,11 @@ impl Place {
         for name in self.list().map_err(told)? {
             self.remove(&name).map_err(told)?;
         }
-        if let Self::Folder(folder) = self {
+        match self {
             // Fails if there is something of somebody else's in it, which is right.
-            let _ = std::fs::remove_dir(folder.root());
+            Self::Folder(folder) => drop(std::fs::remove_dir(folder.root())),
+            #[cfg(feature = "cloud")]
+            Self::Cloud(_) => {}
         }
         Ok(())
     }

@@ -25,6 +25,8 @@ export class Display {
   private readonly back = new Scene();
   private asked = '';
   private request = 0;
+  /** Groups on the screen that are not on the shelf any more. */
+  private readonly gone = new Set<Group>();
 
   constructor(
     private readonly host: Host,
@@ -106,7 +108,10 @@ export class Display {
 
   private put(front: Group, back: Group | undefined): void {
     const show = (scene: Scene, group: Group | undefined) => {
-      scene.children.filter((c) => c.type === 'Group').forEach((c) => scene.remove(c));
+      for (const old of scene.children.filter((c): c is Group => c.type === 'Group' && c !== group)) {
+        scene.remove(old);
+        if (this.gone.delete(old)) dispose(old);
+      }
       if (group) scene.add(group);
     };
     show(this.front, front);
@@ -131,6 +136,7 @@ export class Display {
 
   /** What is on the screen stays until there is something else to show. */
   private free(group: Group): void {
-    if (!group.parent) dispose(group);
+    if (group.parent) this.gone.add(group);
+    else dispose(group);
   }
 }

@@ -39,7 +39,8 @@ export class HeatPanel {
   refresh(): void {
     const { heat } = this.host.store.state;
     this.pick.value = heat;
-    const key = heat && `${heat} ${this.display.level} ${this.display.file.levels.length}`;
+    const { level, file } = this.display;
+    const key = heat && `${heat} ${level} ${JSON.stringify(file.levels[level])}`;
     if (key === this.asked) return;
     this.asked = key;
     this.legend.hidden = !heat;
