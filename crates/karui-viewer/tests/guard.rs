@@ -17,7 +17,7 @@ fn only_who_knows_the_token() {
     let (viewer, other) = (Running::of(&[]), Running::of(&[]));
     assert_ne!(viewer.root, other.root);
     let host = format!("host: 127.0.0.1:{}", viewer.port);
-    let status = |path: &str| ask(&viewer, path, &[host.clone()]).status;
+    let status = |path: &str| ask(&viewer, path, std::slice::from_ref(&host)).status;
     let root = &viewer.root;
     assert_eq!(status(&format!("{root}/")), 200);
     assert_eq!(status(&format!("{root}/api/state")), 200);
@@ -64,7 +64,7 @@ fn every_answer_says_how_it_may_be_used() {
         format!("{root}/api/state"),
         "/none".into(),
     ] {
-        let head = ask(&viewer, &path, &[host.clone()]).head;
+        let head = ask(&viewer, &path, std::slice::from_ref(&host)).head;
         for line in [
             "content-security-policy: default-src 'self';",
             "x-content-type-options: nosniff",
