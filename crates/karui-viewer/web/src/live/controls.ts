@@ -1,7 +1,7 @@
 // Sliders over wide ranges.
 
 import { field, h, section } from '../dom';
-import { number } from '../format';
+import { count, number } from '../format';
 
 /** A number that is chosen by a slider. */
 export interface Knob {
@@ -37,7 +37,8 @@ export function slider(knob: Knob, change: (value: number) => void): HTMLElement
     },
   });
   const show = (): void => {
-    told.textContent = `${number(value(Number(input.value)))} ${unit}`;
+    const now = value(Number(input.value));
+    told.textContent = unit ? `${number(now)} ${unit}` : count(now);
     input.setAttribute('aria-valuetext', told.textContent);
   };
   show();

@@ -148,9 +148,10 @@ class Live implements Mode, Asker {
     };
     const kinds = new Choice<Which>('Hierarchy', [['half-edge', 'Half-edges'], ['clusters', 'Clusters']], pick);
     kinds.set(this.which);
+    const hidden = this.which === 'clusters' ? 'Left out' : 'Coarse';
     return [
       part('Hierarchy', kinds.element, this.facts.element),
-      part('What is kept', ...this.knobs(), this.box('Coarse outside the picture', 'frustum'), this.box('Coarse where it faces away', 'back_facing')),
+      part('What is kept', ...this.knobs(), this.box(`${hidden} outside the picture`, 'frustum'), this.box(`${hidden} where it faces away`, 'back_facing')),
       part('Budget', ...this.limit('triangles', TRIANGLES), ...(this.which === 'half-edge' ? this.limit('milliseconds', TIME) : [])),
       part('Light', ...this.lamp()),
       part('View', ...this.views()),
