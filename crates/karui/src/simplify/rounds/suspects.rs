@@ -87,10 +87,10 @@ impl Suspect {
     fn far(&self) -> f32 {
         let center = self.center();
         let margin = 4.0 * f32::EPSILON * center.length();
-        self.from_source() * (1.0 + 1e-5) + margin
+        self.source_distance() * (1.0 + 1e-5) + margin
     }
 
-    fn from_source(&self) -> f32 {
+    fn source_distance(&self) -> f32 {
         let center = self.center().as_dvec3();
         center.distance(closest_point(center, self.source)) as f32
     }
@@ -99,7 +99,7 @@ impl Suspect {
     /// around, so that the nearest does, too. Where very many triangles meet in a point, that
     /// is told sooner than which of them is nearest.
     fn clearly_agrees(&self, index: &Bvh, facings: &Facings, reach: f32) -> bool {
-        let distance = self.from_source();
+        let distance = self.source_distance();
         let [a, b, c] = self.corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         distance <= reach
