@@ -2,12 +2,13 @@
 //! bench adaptive`.
 #![allow(missing_docs, reason = "benches are named after what they time")]
 
+mod cage;
+
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use karui::geom::{Aabb, Camera, Vec3};
-use karui::mesh::shapes;
+use karui::subdiv::SubdivOptions;
 use karui::subdiv::adaptive::{Adaptive, AdaptiveMesh, AdaptiveOptions, View};
-use karui::subdiv::{Cage, SubdivOptions};
 
 fn main() {
     divan::main();
@@ -15,25 +16,14 @@ fn main() {
 
 /// A torus of 8,192 quads, and where it is looked at from.
 fn torus() -> (Adaptive, View) {
-    let (around, across) = (128, 64);
-    let mesh = shapes::torus(1.0, 0.4, around, across);
-    let at = |i: u32, j: u32| j % across * around + i % around;
-    let quads = (0..across).flat_map(|j| {
-        (0..around).flat_map(move |i| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
-    });
-    let cage = Cage {
-        vertices: mesh.positions.len(),
-        offsets: (0..=around * across).map(|f| 4 * f).collect(),
-        indices: quads.collect(),
-        ..Cage::default()
-    };
-    let bounds = Aabb::of(mesh.positions.iter().copied());
+    let (cage, positions) = cage::torus();
+    let bounds = Aabb::of(positions.iter().copied());
     let view = View {
         camera: Camera::looking_at(bounds, Vec3::new(0.3, 1.0, 0.5), 0.6),
         size: [1920, 1080],
         lights: Vec::new(),
     };
-    let adaptive = Adaptive::new(&cage, &mesh.positions, &SubdivOptions::default());
+    let adaptive = Adaptive::new(&cage, &positions, &SubdivOptions::default());
     (adaptive.expect("a torus is a cage"), view)
 }
 

@@ -1,30 +1,20 @@
 //! Speed of subdivision: `cargo bench -p karui --bench subdiv`.
 #![allow(missing_docs, reason = "benches are named after what they time")]
 
+mod cage;
+
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use karui::mesh::shapes;
+use karui::geom::Vec3;
 use karui::subdiv::{Cage, Refinement, Scheme, SubdivOptions, Workspace};
 
 fn main() {
     divan::main();
 }
 
-/// A torus of 8,192 quads.
 fn torus() -> (Cage, Vec<[f32; 3]>) {
-    let (around, across) = (128, 64);
-    let mesh = shapes::torus(1.0, 0.4, around, across);
-    let at = |i: u32, j: u32| j % across * around + i % around;
-    let quads = (0..across).flat_map(|j| {
-        (0..around).flat_map(move |i| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
-    });
-    let cage = Cage {
-        vertices: mesh.positions.len(),
-        offsets: (0..=around * across).map(|f| 4 * f).collect(),
-        indices: quads.collect(),
-        ..Cage::default()
-    };
-    (cage, mesh.positions.iter().map(|p| p.to_array()).collect())
+    let (cage, positions) = cage::torus();
+    (cage, positions.iter().map(Vec3::to_array).collect())
 }
 
 fn options(levels: u32) -> SubdivOptions {

@@ -87,7 +87,7 @@ impl Adaptive {
         Ok(())
     }
 
-    /// Number of faces kept, of all levels; each is about 450 bytes.
+    /// Number of faces kept, of all levels; each is about 480 bytes.
     #[must_use]
     pub fn kept(&self) -> usize {
         self.store.face_count()

@@ -448,6 +448,11 @@ fn bad_input_is_refused() {
         new(&Cage::default(), &[], clark),
         Err(Error::Empty { .. })
     ));
+    let negative = tagged(&cage, &[(1, -0.5)]);
+    assert!(matches!(
+        new(&negative, &points, clark),
+        Err(Error::BadOption { .. })
+    ));
 
     let mut adaptive = new(&cage, &points, clark).unwrap();
     let good = view(&points, Vec3::ONE);
