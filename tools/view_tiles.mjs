@@ -10,20 +10,15 @@
 
 import { createServer } from "node:http";
 import { existsSync, mkdirSync, readFileSync, statSync } from "node:fs";
-import { createRequire } from "node:module";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { fail, folderOf, launch } from "./browser.mjs";
 
 const DISTANCES = [{ name: "near", radii: 0.9 }, { name: "middle", radii: 2.5 }, { name: "far", radii: 12 }];
 const CLIENTS = ["cesium", "three"];
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css",
   ".json": "application/json", ".glb": "model/gltf-binary", ".gltf": "model/gltf+json", ".wasm": "application/wasm",
   ".png": "image/png", ".jpg": "image/jpeg" };
-
-function fail(message) {
-  console.error(message);
-  process.exit(2);
-}
 
 function parseArguments(args) {
   const options = { chromium: null, out: null, tilesets: [] };
@@ -34,20 +29,6 @@ function parseArguments(args) {
   }
   if (options.tilesets.length === 0) fail("usage: view_tiles.mjs [--chromium FILE] [--out DIR] TILESET.json...");
   return options;
-}
-
-/** The folder of an installed package, from NODE_PATH, this script or the working directory. */
-function folderOf(name) {
-  const require = createRequire(import.meta.url);
-  const roots = [...(process.env.NODE_PATH ?? "").split(path.delimiter), ...require.resolve.paths(name),
-    path.join(process.cwd(), "node_modules")];
-  const found = roots.filter(Boolean).map((root) => path.join(root, name)).find(existsSync);
-  return found ?? fail(`${name} is not installed; run: npm install cesium three 3d-tiles-renderer playwright-core`);
-}
-
-function findChromium(given) {
-  const places = [given, process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-  return places.filter(Boolean).find(existsSync) ?? fail("no Chromium here; name one with --chromium FILE");
 }
 
 /** Serves pages, packages and the folder of a tileset on this machine only. */
@@ -96,11 +77,7 @@ async function view(browser, server, client, tileset, out) {
 }
 
 const options = parseArguments(process.argv.slice(2));
-const { chromium } = createRequire(import.meta.url)(folderOf("playwright-core"));
-const browser = await chromium.launch({
-  executablePath: findChromium(options.chromium),
-  args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-}).catch((error) => fail(`Chromium does not start: ${error}`));
+const browser = await launch(options.chromium);
 let good = true;
 let late = false;
 for (const tileset of options.tilesets) {
