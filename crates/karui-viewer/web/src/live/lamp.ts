@@ -50,11 +50,11 @@ export class Lamp {
     this.stage.invalidate();
   }
 
-  /** Puts it on a sphere around the model, degrees. */
+  /** Puts it on a sphere around the model, degrees: before the near plane of `Stage`, which is 1.5 radii away. */
   at(azimuth: number, elevation: number): void {
     const [a, e] = [azimuth, elevation].map((x) => (x * Math.PI) / 180) as [number, number];
     const direction = new Vector3(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e));
-    this.set(direction.multiplyScalar(1.5 * this.bounds.radius).add(this.bounds.center));
+    this.set(direction.multiplyScalar(1.35 * this.bounds.radius).add(this.bounds.center));
   }
 
   dispose(): void {
