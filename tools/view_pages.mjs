@@ -230,7 +230,7 @@ const tests = {
     await withPage([ASSET], "#tab=live", async (page) => {
       const { frames, found, size, options: kept } = await followed(page, ASSET, "half-edge");
       writeFileSync(path.join(scratch, "path.json"), JSON.stringify({ frames }));
-      karui("hierarchy", "refine", ASSET, "-o", "refined", "--path", "path.json", "--size", size.join("x"), "--area", `${kept.area}`,
+      karui("hierarchy", "refine", ASSET, "-o", "refined", "--alpha", "inf", "--path", "path.json", "--size", size.join("x"), "--area", `${kept.area}`,
         "--flatness", `${kept.flatness}`, "--silhouette", `${kept.silhouette}`, "--light-silhouette", `${kept.light_silhouette}`,
         "--highlight", `${kept.highlight}`, "--highlight-area", `${kept.highlight_area}`);
       const [head, ...rows] = readFileSync(path.join(scratch, "refined/frames.csv"), "utf8").trim().split("\n").map((l) => l.split(","));

@@ -125,12 +125,13 @@ export class App implements Host {
     try {
       const { id } = await api.upload(file);
       this.list(await api.state());
-      this.file ??= await api.summary(id);
-      this.pick(id);
-    } catch (error) {
-      this.fail(error);
-    } finally {
       this.toasts.clear();
+      const first = !this.file;
+      this.pick(id);
+      if (first) await this.reload();
+    } catch (error) {
+      this.toasts.clear();
+      this.fail(error);
     }
   }
 
