@@ -158,7 +158,10 @@ async function followed(page, file, which) {
     return [window.karui.pose(), [Math.round(canvas.width / 2), canvas.height]];
   });
   const [eye, target] = [pose.slice(0, 3), pose.slice(3)];
-  const fov = await probe(page, () => window.karui.live.path && 45);
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => JSON.parse(window.karui.live.path()).frames.length > 0, undefined, WAIT);
+  await page.keyboard.press("p");
+  const { fov } = await probe(page, () => JSON.parse(window.karui.live.path()).frames[0].camera);
   const frames = [1, 0.7, 0.5, 0.4, 0.6].map((near, i) => ({
     camera: { eye: eye.map((x, k) => target[k] + near * (x - target[k]) + (k === 0 ? 0.02 * i * near : 0)), target, fov },
     lights: [{ type: "point", position: eye.map((x, k) => x + (k === 1 ? i : 0)), intensity: 1 }],
