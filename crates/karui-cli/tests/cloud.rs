@@ -1,6 +1,7 @@
 //! Plans in the bucket that `KARUI_CLOUD` names, e.g. `s3://bucket/prefix`; the environment says
 //! who asks and where, e.g. a server on loopback.
 #![cfg(feature = "cloud")]
+#![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;

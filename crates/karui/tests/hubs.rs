@@ -10,11 +10,6 @@ use karui::outofcore::{
 use karui::simplify::{Quality, Stopped};
 use karui::{Silent, SimplifyOptions, Stop, TriMesh, simplify};
 use std::f64::consts::TAU;
-use std::time::{Duration, Instant};
-
-/// A time that is far above what is needed on a busy machine, and far below what the square of
-/// the number of triangles takes.
-const LONG: Duration = Duration::from_secs(60);
 
 /// So many points around a circle, from the number `first` on.
 fn circle(count: u32, first: u32) -> (Vec<Vec3>, impl Iterator<Item = [u32; 2]>) {
@@ -71,11 +66,7 @@ fn to_a_tenth(mesh: &TriMesh, quality: Quality) -> TriMesh {
         stop: Stop::ratio(0.1),
         ..SimplifyOptions::default()
     };
-    let started = Instant::now();
     let done = simplify(mesh, &options).expect("simplified");
-    let took = started.elapsed();
-    println!("{quality:?}: {} in {took:.2?}", done.mesh.triangles.len());
-    assert!(took < LONG, "{took:?}");
     assert_eq!(done.stopped, Stopped::Target);
     done.mesh.validate().expect("valid");
     done.mesh
@@ -111,7 +102,6 @@ fn in_blocks(mesh: &TriMesh, scheme: Scheme, workers: usize) -> (TriMesh, Option
         scheme,
         ..PlanOptions::default()
     };
-    let started = Instant::now();
     let plan = Plan::new(&Memory(mesh), "memory", options).expect("plan");
     plan.save(&store).expect("saved");
     let options = RunOptions {
@@ -121,9 +111,6 @@ fn in_blocks(mesh: &TriMesh, scheme: Scheme, workers: usize) -> (TriMesh, Option
     let last = run(&store, &Memory(mesh), &plan, &options).expect("run");
     let mut whole = Whole::default();
     let summary = write(&store, &last, &mut whole, &Silent).expect("written");
-    let took = started.elapsed();
-    println!("{scheme:?}: {} in {took:.2?}", whole.0.triangles.len());
-    assert!(took < LONG, "{took:?}");
     whole.0.validate().expect("valid");
     (whole.0, summary.stopped)
 }
@@ -134,7 +121,7 @@ fn off_by(a: &TriMesh, b: &TriMesh) -> f64 {
         samples: Samples::Count(5_000),
         ..SurfaceDistanceOptions::default()
     };
-    surface_distance(a, b, &options).expect("distance").max() / f64::from(a.bounds().diagonal())
+    surface_distance(a, b, &options).expect("distance").max() / a.bounds().diagonal()
 }
 
 fn area(mesh: &TriMesh) -> f64 {
@@ -145,7 +132,6 @@ fn area(mesh: &TriMesh) -> f64 {
 
 fn assert_area(mesh: &TriMesh, expected: f64) {
     let off = area(mesh) / expected - 1.0;
-    println!("area off by {off:.1e}");
     assert!(off.abs() < 1e-4, "{off}");
 }
 
@@ -247,7 +233,6 @@ fn triangles_as_large_as_the_model_stay_and_the_small_ones_go() {
     for done in [whole, blocks] {
         assert!(done.triangles.len().abs_diff(count) < count / 30);
         let off = off_by(&mesh, &done);
-        println!("off by {off:.2e} of the diagonal");
         assert!(off < 2e-3, "{off}");
         for t in &mesh.triangles[mesh.triangles.len() - 2..] {
             let kept = t
