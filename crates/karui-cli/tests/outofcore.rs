@@ -120,6 +120,17 @@ fn damage_is_told_and_mended() {
     folder.ok("plan resume work -o second.ply -q");
     folder.ok("plan verify work");
     assert!(bytes(&folder, "first.ply") == bytes(&folder, "second.ply"));
+    // Of a plan that is done, too.
+    let names = fs::read_dir(folder.path("work")).unwrap();
+    let names = names.map(|entry| entry.unwrap().path());
+    let blocks = names.filter(|path| path.extension().is_some_and(|e| e == "block"));
+    let last = blocks.max().unwrap();
+    let mut damaged = fs::read(&last).unwrap();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(&last, &damaged).unwrap();
+    folder.ok("plan resume work -o third.ply -q");
+    assert!(bytes(&folder, "first.ply") == bytes(&folder, "third.ply"));
 }
 
 #[cfg(unix)]

@@ -53,14 +53,24 @@ pub fn run(
     plan: &Plan,
     options: &RunOptions<'_>,
 ) -> Result<Manifest> {
+    let mut made = None;
     loop {
-        let manifest = match mended(store, source, || next(store, plan))? {
-            Next::Run(manifest) => manifest,
-            Next::Done(manifest) => return Ok(manifest),
-        };
-        let slot = Slot::of(plan, &manifest.phase);
-        let results = rows(store, source, &manifest, slot, options)?;
-        manifest.commit(store, results)?;
+        match mended(store, source, || next(store, plan))? {
+            Next::Run(manifest) => {
+                let slot = Slot::of(plan, &manifest.phase);
+                let results = rows(store, source, &manifest, slot, options)?;
+                manifest.commit(store, results)?;
+                made = Some(manifest.name());
+            }
+            Next::Done(manifest) => {
+                // What was made before may have been damaged since.
+                if made.as_ref() != Some(&manifest.name()) {
+                    let slot = Slot::of(plan, &manifest.phase);
+                    rows(store, source, &manifest, slot, options)?;
+                }
+                return Ok(manifest);
+            }
+        }
     }
 }
 
