@@ -7,8 +7,8 @@ use super::slots::Slots;
 use super::vertices::Vertices;
 use super::{Result, Session};
 use karui::geom::{Camera, Light};
+use karui::hierarchy::ViewAndLight;
 use karui::hierarchy::cluster::{ClusterDag, Cut, Detail, View};
-use karui::hierarchy::{Silhouette, ViewAndLight};
 use serde::Deserialize;
 use std::time::Instant;
 
@@ -55,17 +55,7 @@ impl ClusterOptions {
     /// Where light makes detail visible, and nowhere else.
     #[must_use]
     pub fn criteria(&self, camera: Camera, lights: Vec<Light>, size: [u32; 2]) -> ViewAndLight {
-        ViewAndLight {
-            camera,
-            size,
-            lights,
-            area: f64::INFINITY,
-            silhouette: Silhouette::Ignored,
-            light_silhouette: Silhouette::Kept { area: 0.0 },
-            highlight: self.highlight,
-            highlight_area: 0.0,
-            ..ViewAndLight::default()
-        }
+        ViewAndLight::by_light(camera, size, lights, self.highlight)
     }
 
     /// The view that `criteria` belong to, with another threshold.

@@ -126,6 +126,26 @@ pub struct ViewAndLight {
     pub hysteresis: f64,
 }
 
+impl ViewAndLight {
+    /// Where light makes detail visible, and nowhere else: the line between lit and dark, and
+    /// highlights within `highlight` degrees ([`Self::highlight`]); for
+    /// [`cluster::Detail`](super::cluster::Detail).
+    #[must_use]
+    pub fn by_light(camera: Camera, size: [u32; 2], lights: Vec<Light>, highlight: f64) -> Self {
+        Self {
+            camera,
+            size,
+            lights,
+            area: f64::INFINITY,
+            silhouette: Silhouette::Ignored,
+            light_silhouette: Silhouette::Kept { area: 0.0 },
+            highlight,
+            highlight_area: 0.0,
+            ..Self::default()
+        }
+    }
+}
+
 impl Default for ViewAndLight {
     fn default() -> Self {
         let least = Silhouette::Kept { area: 4.0 };

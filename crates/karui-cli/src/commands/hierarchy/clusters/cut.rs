@@ -8,8 +8,8 @@ use crate::console::Console;
 use crate::table::{count, seconds};
 use anyhow::Result;
 use karui::geom::{Camera, Light};
+use karui::hierarchy::ViewAndLight;
 use karui::hierarchy::cluster::{ClusterDag, Cut, Detail, View};
-use karui::hierarchy::{Silhouette, ViewAndLight};
 use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
@@ -85,17 +85,7 @@ impl DetailArgs {
 
     /// Where light makes detail visible, and nowhere else.
     fn criteria(&self, camera: Camera, lights: &[Light], size: (u32, u32)) -> ViewAndLight {
-        ViewAndLight {
-            camera,
-            size: [size.0, size.1],
-            lights: lights.to_vec(),
-            area: f64::INFINITY,
-            silhouette: Silhouette::Ignored,
-            light_silhouette: Silhouette::Kept { area: 0.0 },
-            highlight: self.highlight,
-            highlight_area: 0.0,
-            ..ViewAndLight::default()
-        }
+        ViewAndLight::by_light(camera, [size.0, size.1], lights.to_vec(), self.highlight)
     }
 }
 
