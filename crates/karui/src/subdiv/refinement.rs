@@ -297,10 +297,7 @@ impl Refinement {
             memory,
         } = workspace;
         from.clear();
-        match &self.sources {
-            Some(sources) => from.extend(sources.iter().map(|&i| values[i as usize])),
-            None => from.extend_from_slice(values),
-        }
+        self.gather(values, from);
         let Some((last, first)) = self.stages.split_last() else {
             to.clone_from(from);
             return Ok(());
@@ -316,6 +313,14 @@ impl Refinement {
         Ok(())
     }
 
+    /// The values of the first level's vertices.
+    fn gather<const N: usize>(&self, values: &[[f32; N]], to: &mut Vec<[f32; N]>) {
+        match &self.sources {
+            Some(sources) => to.extend(sources.iter().map(|&i| values[i as usize])),
+            None => to.extend_from_slice(values),
+        }
+    }
+
     fn check_values<const N: usize>(&self, values: &[[f32; N]]) -> Result<()> {
         if values.len() != self.inputs {
             return Err(Error::LengthMismatch {
@@ -328,7 +333,8 @@ impl Refinement {
         bad.map_or(Ok(()), |index| Err(not_finite("value of the cage", index)))
     }
 
-    /// The surface at all vertices after the last step. This builds what [`Refinement`] else
+    /// The surface at all vertices after the last step, or of [`Refinement::face_varying`] the
+    /// values there as the first numbers of `positions`. This builds what [`Refinement`] else
     /// does without, some 150 bytes a face.
     ///
     /// # Errors
@@ -355,7 +361,8 @@ impl Refinement {
                     .is_uniform(if self.kind.triangles { 3 } else { 4 }),
         );
         let mut level = self.base.clone();
-        let mut values = positions.to_vec();
+        let mut values = Vec::new();
+        self.gather(positions, &mut values);
         for _ in 0..levels {
             let next = level.refined(self.kind, true);
             let mut to = vec![[0.0; 3]; next.vertices];

@@ -7,12 +7,13 @@ use crate::error::Result;
 use crate::mesh::{PolyMesh, TriMesh};
 use crate::progress::Progress;
 use glam::{Vec2, Vec3, Vec4};
+use std::array::from_fn;
 
 /// What a surface is made of.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SurfaceOptions {
     /// Vertices lie where infinitely many steps would put them, so that levels of one cage
-    /// lie on one surface. Default `false`: where the steps leave them.
+    /// lie on one surface; so do their colours and texture coordinates. Default `false`: where the steps leave them.
     pub on_limit: bool,
     /// Normals of the limit surface. Default `false`: none.
     pub normals: bool,
@@ -45,16 +46,16 @@ pub fn subdivide(
     place(control, &refinement, surface, &mut mesh)?;
     if let Some(colors) = &control.colors {
         let colors: Vec<[f32; 4]> = colors.iter().map(Vec4::to_array).collect();
-        let colors = refinement.evaluate(&colors)?.into_iter();
+        let colors = values(&refinement, &colors, surface.on_limit)?.into_iter();
         let clamped = colors.map(|c| Vec4::from(c).clamp(Vec4::ZERO, Vec4::ONE));
         mesh.attributes.colors.push(clamped.collect());
     }
     push_faces(control, &refinement, &mut mesh);
     let corners = match &control.uvs {
         Some(uvs) => {
-            let values: Vec<[f32; 2]> = uvs.values.iter().map(Vec2::to_array).collect();
-            let charts = refinement.face_varying(&uvs.indices, values.len())?;
-            let values = charts.evaluate(&values)?.into_iter();
+            let cage: Vec<[f32; 2]> = uvs.values.iter().map(Vec2::to_array).collect();
+            let charts = refinement.face_varying(&uvs.indices, cage.len())?;
+            let values = values(&charts, &cage, surface.on_limit)?.into_iter();
             split_at_seams(
                 &mut mesh,
                 &refinement,
@@ -100,6 +101,27 @@ fn place(
         mesh.positions = positions.into_iter().map(Vec3::from).collect();
     }
     Ok(())
+}
+
+/// Values after the last step, or where they go in the limit.
+fn values<const N: usize>(
+    refinement: &Refinement,
+    cage: &[[f32; N]],
+    on_limit: bool,
+) -> Result<Vec<[f32; N]>> {
+    if !on_limit {
+        return refinement.evaluate(cage);
+    }
+    let mut to = vec![[0.0; N]; refinement.vertex_count()];
+    for first in (0..N).step_by(3) {
+        let three = |value: &[f32; N]| from_fn(|i| value.get(first + i).copied().unwrap_or(0.0));
+        let limits = refinement.limits(&cage.iter().map(three).collect::<Vec<[f32; 3]>>())?;
+        for (to, limit) in to.iter_mut().zip(limits.positions) {
+            let to = to[first..].iter_mut();
+            to.zip(limit.to_array()).for_each(|(to, limit)| *to = limit);
+        }
+    }
+    Ok(to)
 }
 
 /// The materials of the faces that stay.

@@ -67,12 +67,8 @@ impl AdaptiveArgs {
             max_faces: usize::try_from(options.max_faces).unwrap_or(usize::MAX),
             ..self.options()
         };
-        let mut adaptive = Adaptive::new(&control.cage, &control.positions, &options)?;
-        let mut drawn = adaptive.refine(&self.view(control), &how)?;
-        if !control.face_materials.is_empty() {
-            let material = |&f: &u32| control.face_materials.get(f as usize).copied().flatten();
-            drawn.mesh.face_materials = drawn.parents.iter().map(material).collect();
-        }
+        let mut adaptive = Adaptive::of_control(control, &options)?;
+        let drawn = adaptive.refine(&self.view(control), &how)?;
         Ok(Subdivided {
             faces: drawn.mesh.face_count(),
             mesh: drawn.mesh,

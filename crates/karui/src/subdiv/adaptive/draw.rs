@@ -1,7 +1,8 @@
 //! The mesh of what has been split, in an order that does not depend on what was made when.
 
 use super::mesh::AdaptiveMesh;
-use super::store::Store;
+use super::store::{NONE, Store};
+use super::values::{Place, Skin, Values};
 use rayon::prelude::*;
 
 /// Parts that the cage's faces are drawn in, each by one thread.
@@ -13,21 +14,32 @@ pub(super) struct Drawing {
     parts: Vec<Part>,
     /// Wedges that have become vertices.
     wedges: Vec<u32>,
+    /// Of every vertex the corner of the deepest tier that it was drawn at, its number in
+    /// texture coordinates, and the next vertex of its wedge; only if that is going to matter.
+    places: Vec<Place>,
+    texels: Vec<u32>,
+    others: Vec<u32>,
 }
 
 /// Faces in order: their sizes, the cage's faces they are of, their depths, and of every
-/// corner its wedge and, if that is going to matter, its tier and vertex.
+/// corner its wedge and, if that is going to matter, its place.
 #[derive(Debug, Clone, Default)]
 struct Part {
     sizes: Vec<u32>,
     bases: Vec<u32>,
     depths: Vec<u8>,
     wedges: Vec<u32>,
-    places: Vec<[u32; 2]>,
+    places: Vec<Place>,
 }
 
 impl Drawing {
-    pub fn draw(&mut self, store: &mut Store, frame: u32, limit: bool, to: &mut AdaptiveMesh) {
+    pub fn draw(
+        &mut self,
+        (store, skin): (&mut Store, &mut Skin),
+        frame: u32,
+        limit: bool,
+        to: &mut AdaptiveMesh,
+    ) {
         let faces = store.tiers[0].faces.len() as u32;
         let size = faces.div_ceil(PARTS as u32);
         self.parts.resize_with(PARTS, Part::default);
@@ -37,7 +49,7 @@ impl Drawing {
             let mut pen = Pen {
                 store: shared,
                 frame,
-                places: !limit,
+                places: !limit || !skin.is_plain(),
                 part,
             };
             let first = i as u32 * size;
@@ -48,8 +60,18 @@ impl Drawing {
             }
         });
         to.clear();
-        self.join(store, frame, to);
+        match &mut skin.uvs {
+            Some(uvs) => self.join_at_seams((store, uvs), frame, to),
+            None => self.join(store, frame, to),
+        }
+        if !limit {
+            self.deepen_points(store, frame);
+        }
         self.place_vertices(store, limit, to);
+        if !skin.is_plain() {
+            self.find_places(to);
+        }
+        skin.put_on(store, (&self.places, &to.parents), limit, &mut to.mesh);
     }
 
     /// Puts the parts one after the other; vertices are numbered as they come.
@@ -65,17 +87,64 @@ impl Drawing {
                 }
                 to.mesh.indices.push(drawn[1]);
             }
-            for &size in &part.sizes {
-                let end = to.mesh.offsets[to.mesh.offsets.len() - 1] + size;
-                to.mesh.offsets.push(end);
-            }
-            to.parents.extend_from_slice(&part.bases);
-            to.depths.extend_from_slice(&part.depths);
+            part.push_faces(to);
+        }
+    }
+
+    /// The same, a wedge being as many vertices as it has texture coordinates.
+    fn join_at_seams(
+        &mut self,
+        (store, uvs): (&mut Store, &mut Values),
+        frame: u32,
+        to: &mut AdaptiveMesh,
+    ) {
+        self.wedges.clear();
+        self.texels.clear();
+        self.others.clear();
+        store.drawn.resize(store.wedges.len(), [0; 2]);
+        for part in &self.parts {
             for (&wedge, &place) in part.wedges.iter().zip(&part.places) {
-                let point = &mut store.points[store.wedges[wedge as usize].point as usize];
-                if point.frame != frame || point.place[0] < place[0] {
-                    (point.frame, point.place) = (frame, place);
+                let texel = uvs.point(store, place);
+                let [drawn, first] = store.drawn[wedge as usize];
+                let mut vertex = if drawn == frame { first } else { NONE };
+                while vertex != NONE && self.texels[vertex as usize] != texel {
+                    vertex = self.others[vertex as usize];
                 }
+                if vertex == NONE {
+                    vertex = self.wedges.len() as u32;
+                    self.wedges.push(wedge);
+                    self.texels.push(texel);
+                    self.others.push(if drawn == frame { first } else { NONE });
+                    store.drawn[wedge as usize] = [frame, vertex];
+                }
+                to.mesh.indices.push(vertex);
+            }
+            part.push_faces(to);
+        }
+    }
+
+    /// Finds the deepest tier that every point was drawn in.
+    fn deepen_points(&self, store: &mut Store, frame: u32) {
+        for part in &self.parts {
+            for (&wedge, &[t, corner]) in part.wedges.iter().zip(&part.places) {
+                let v = store.tiers[t as usize].corners[corner as usize];
+                let point = &mut store.points[store.wedges[wedge as usize].point as usize];
+                if point.frame != frame || point.place[0] < t {
+                    (point.frame, point.place) = (frame, [t, v]);
+                }
+            }
+        }
+    }
+
+    /// Finds the place in the deepest tier of every vertex.
+    fn find_places(&mut self, mesh: &AdaptiveMesh) {
+        self.places.clear();
+        self.places.resize(self.wedges.len(), [0, NONE]);
+        let places = self.parts.iter().flat_map(|part| &part.places);
+        for (&vertex, &place) in mesh.mesh.indices.iter().zip(places) {
+            let to = &mut self.places[vertex as usize];
+            if to[1] == NONE || to[0] < place[0] {
+                *to = place;
             }
         }
     }
@@ -104,6 +173,15 @@ impl Drawing {
 }
 
 impl Part {
+    fn push_faces(&self, to: &mut AdaptiveMesh) {
+        for &size in &self.sizes {
+            let end = to.mesh.offsets[to.mesh.offsets.len() - 1] + size;
+            to.mesh.offsets.push(end);
+        }
+        to.parents.extend_from_slice(&self.bases);
+        to.depths.extend_from_slice(&self.depths);
+    }
+
     fn clear(&mut self) {
         self.sizes.clear();
         self.bases.clear();
@@ -125,7 +203,7 @@ impl Pen<'_> {
     fn face(&mut self, t: usize, face: u32, base: u32) {
         let tier = &self.store.tiers[t];
         let corners = tier.corners_of(face);
-        if tier.faces[face as usize].split != self.frame {
+        if !tier.face_stamps[face as usize].is_split(self.frame) {
             return self.push(t, corners, base, 2 * t);
         }
         for c in corners.clone() {
@@ -173,8 +251,7 @@ impl Pen<'_> {
         for corner in corners {
             self.part.wedges.push(self.store.known_wedge(t, corner));
             if self.places {
-                let v = self.store.tiers[t].corners[corner as usize];
-                self.part.places.push([t as u32, v]);
+                self.part.places.push([t as u32, corner]);
             }
         }
         self.part

@@ -1,5 +1,6 @@
 //! Making children, and finding what lies across an edge.
 
+use super::stamp::Stamps;
 use super::store::{Edge, Face, NONE, Origin, Point, Store, Tier, Vertex};
 use crate::subdiv::crease::{decayed, decayed_around};
 use crate::subdiv::options::CreaseMethod;
@@ -38,7 +39,7 @@ impl Store {
         for c in corners {
             let edge = tier.corner_edges[c as usize];
             let ends = [center, tier.edges[edge as usize].point];
-            next.edges.push(Edge::new(ends, NONE, 0.0, false));
+            next.push_edge(Edge::new(ends, NONE, 0.0, false));
         }
         first
     }
@@ -63,6 +64,7 @@ impl Store {
             _ => tier.place(corner) << 2 | u64::from(corner & 3),
         };
         next.faces.push(Face::new(corner, place));
+        next.face_stamps.push(Stamps::default());
         for (v, e) in vertices.into_iter().zip(edges) {
             let c = next.corners.len() as u32;
             next.corners.push(v);
@@ -87,8 +89,11 @@ impl Store {
         let to = &mut tier.edges[e as usize];
         (to.point, to.halves) = (point, next.edges.len() as u32);
         for (end, sharpness) in ends.into_iter().zip(sharpness) {
-            next.edges
-                .push(Edge::new([point, end], e, sharpness, edge.open));
+            let half = Edge::new([point, end], e, sharpness, edge.open);
+            next.push_edge(Edge {
+                seam: edge.seam,
+                ..half
+            });
         }
     }
 
@@ -184,5 +189,12 @@ impl Store {
         }
         let swap = tier.place(a) > tier.place(b);
         SmallVec::from_buf(if swap { [b, a] } else { [a, b] })
+    }
+}
+
+impl Tier {
+    fn push_edge(&mut self, edge: Edge) {
+        self.edges.push(edge);
+        self.edge_stamps.push(Stamps::default());
     }
 }

@@ -35,6 +35,9 @@ impl AdaptiveMesh {
         self.mesh.positions = mesh.positions;
         self.mesh.indices = mesh.indices;
         self.mesh.offsets = mesh.offsets;
+        self.mesh.face_materials = mesh.face_materials;
+        self.mesh.attributes.uvs = mesh.attributes.uvs;
+        self.mesh.attributes.colors = mesh.attributes.colors;
         self.mesh.positions.clear();
         self.mesh.indices.clear();
         self.mesh.offsets.truncate(1);

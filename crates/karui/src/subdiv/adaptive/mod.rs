@@ -16,6 +16,7 @@ mod draw;
 mod eye;
 mod grow;
 mod limit;
+mod look;
 mod mesh;
 mod options;
 mod piece;
@@ -23,30 +24,38 @@ mod position;
 mod ring;
 mod select;
 mod split;
+mod stamp;
 mod store;
 #[cfg(test)]
 mod tests;
+mod values;
 mod wedge;
 
 pub use mesh::AdaptiveMesh;
 pub use options::{AdaptiveOptions, MAX_DEPTH, View};
 
 use super::cage::Cage;
+use super::control_mesh::ControlMesh;
 use super::options::{Scheme, SubdivOptions};
 use crate::error::{Error, Result};
 use draw::Drawing;
 use eye::Eye;
 use glam::Vec3;
+use select::{Choice, End};
 use split::Cut;
 use store::Store;
+use values::Skin;
 
 /// A cage that is refined anew for every view, and what is kept in between.
 #[derive(Debug, Clone)]
 pub struct Adaptive {
     store: Store,
+    skin: Skin,
     frame: u32,
     pass: u32,
     offers: Vec<Vec<u32>>,
+    /// Whether there were too many faces in the last frame.
+    full: bool,
     drawing: Drawing,
 }
 
@@ -70,11 +79,27 @@ impl Adaptive {
         check(positions, cage.vertices)?;
         Ok(Self {
             store: Store::new(cage, positions, options)?,
+            skin: Skin::default(),
             frame: 0,
             pass: 0,
             offers: Vec::new(),
+            full: false,
             drawing: Drawing::default(),
         })
+    }
+
+    /// Takes a control mesh with all that it carries: texture coordinates, split at seams as
+    /// [`subdivide`](super::subdivide) splits them, colours and materials. What the mesh's
+    /// rules say goes before `options`.
+    ///
+    /// # Errors
+    /// As [`Adaptive::new`]; [`Error::LengthMismatch`], [`Error::IndexOutOfRange`] or
+    /// [`Error::NotFinite`] for values.
+    pub fn of_control(control: &ControlMesh, options: &SubdivOptions) -> Result<Self> {
+        let options = control.rules.apply(*options);
+        let mut made = Self::new(&control.cage, &control.positions, &options)?;
+        made.skin = Skin::new(control, &mut made.store, &options)?;
+        Ok(made)
     }
 
     /// Puts the vertices of the cage elsewhere. Connectivity that has been found is kept.
@@ -116,28 +141,39 @@ impl Adaptive {
         options.validate()?;
         let eye = Eye::new(view)?;
         // Numbers of frames and passes last for weeks.
-        if self.kept() > options.max_kept || self.pass > u32::MAX - 2 * MAX_DEPTH {
+        if self.kept() > options.max_kept || self.pass > u32::MAX - 4 * MAX_DEPTH {
             self.store.forget();
+            self.skin.forget();
             (self.frame, self.pass) = (0, 0);
         }
-        self.next_frame(options.deepest() as usize);
-        let mut cut = Cut {
-            store: &mut self.store,
-            frame: self.frame,
-            spread: options.spread,
-            offers: &mut self.offers,
-            faces: 0,
-        };
-        to.truncated = !select::select(&mut cut, &eye, options, &mut self.pass);
-        self.drawing
-            .draw(&mut self.store, self.frame, options.limit, to);
+        // Views that follow each other are alike in that, and it is only a matter of time.
+        let mut end = self.select(&eye, options, self.full);
+        if end == End::Unclear {
+            end = self.select(&eye, options, true);
+        }
+        self.full = end == End::Full;
+        to.truncated = self.full;
+        let all = (&mut self.store, &mut self.skin);
+        self.drawing.draw(all, self.frame, options.limit, to);
         Ok(())
     }
 
-    fn next_frame(&mut self, depths: usize) {
+    fn select(&mut self, eye: &Eye, options: &AdaptiveOptions, in_order: bool) -> End {
         self.frame += 1;
-        self.offers.resize_with(depths, Vec::new);
+        self.offers
+            .resize_with(options.deepest() as usize, Vec::new);
         self.offers.iter_mut().for_each(Vec::clear);
+        let cut = Cut {
+            frame: self.frame,
+            spread: options.spread,
+        };
+        let choice = Choice {
+            cut,
+            eye,
+            options,
+            in_order,
+        };
+        select::select(&mut self.store, choice, &mut self.offers, &mut self.pass)
     }
 }
 

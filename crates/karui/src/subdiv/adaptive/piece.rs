@@ -61,10 +61,10 @@ impl Store {
         [a, b, a + 2]
     }
 
-    /// Whether the surface has an edge along edge `e`.
+    /// Whether the surface, or what goes with it, has an edge along edge `e`.
     pub fn is_ridge(&self, t: usize, e: u32) -> bool {
         let edge = &self.tiers[t].edges[e as usize];
-        edge.open || edge.sharpness >= INFINITELY_SHARP
+        edge.open || edge.seam || edge.sharpness >= INFINITELY_SHARP
     }
 
     /// What is known of a piece.

@@ -46,7 +46,7 @@ impl Store {
     fn edge_point(&mut self, t: usize, e: u32) -> DVec3 {
         let edge = self.tiers[t].edges[e as usize];
         let ends: DVec3 = edge.ends.map(|v| self.position(t, v)).into_iter().sum();
-        if edge.open || edge.sharpness >= 1.0 {
+        if self.linear || edge.open || edge.sharpness >= 1.0 {
             return 0.5 * ends;
         }
         let sides = self.sides(t, e);
@@ -89,7 +89,7 @@ impl Store {
 
     fn vertex_point(&mut self, t: usize, v: u32) -> DVec3 {
         let vertex = self.tiers[t].vertices[v as usize];
-        if vertex.odd {
+        if self.linear || vertex.odd {
             return self.position(t, v);
         }
         let ring = self.ring(t, vertex.corner);

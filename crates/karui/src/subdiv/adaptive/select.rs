@@ -1,66 +1,99 @@
 //! Choosing what to split, depth by depth.
 
-use super::eye::{Eye, corner_normals};
+use super::eye::Eye;
+use super::look::{Look, Seen};
 use super::options::AdaptiveOptions;
-use super::piece::{Piece, Polygon};
-use super::split::Cut;
-use super::store::{NONE, Store};
-use glam::DVec3;
+use super::piece::Piece;
+use super::split::{Cut, Outcome, Yield};
+use super::stamp::Mark;
+use super::store::Store;
 use rayon::prelude::*;
-use smallvec::SmallVec;
 
 /// Pieces a thread looks at, at a time.
 const BATCH: usize = 256;
-/// For every looker, one bit if something faces it and one if something faces away.
-const BOTH: u32 = 0b11;
-/// The first of every looker's bits.
-const FIRST: u32 = 0x5555_5555;
+/// Pieces a thread splits what it wants of, at a time.
+const SPLIT_BATCH: usize = 1024;
 
-/// What is seen of a piece.
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    /// As in [`Shape`].
-    points: [u32; 4],
-    flags: u32,
-    /// Whether any of it faces the eye.
-    front: bool,
-    outside: bool,
-    /// Distance to the limit surface and length of the longest side, pixels.
-    error: f64,
-    side: f64,
+/// How far pieces were split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// Until every one was good enough.
+    Complete,
+    /// Until there were as many faces as may be.
+    Full,
+    /// There may have been as many on the way: to be done again, in order.
+    Unclear,
 }
 
-/// Splits the cage's faces until every piece is good enough. Says whether that was possible
-/// with no more faces than may be.
+/// What pieces are chosen by, and how they are split.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Choice<'a> {
+    pub cut: Cut,
+    pub eye: &'a Eye,
+    pub options: &'a AdaptiveOptions,
+    /// One after the other, so that what is split first, where not all can be, is always the
+    /// same; else by all threads, which is as good where all can be.
+    pub in_order: bool,
+}
+
+/// Pieces that may be split, by depth, faces at even ones and diamonds at odd ones; and the
+/// number of faces drawn.
+#[derive(Debug)]
+struct Front<'a> {
+    offers: &'a mut [Vec<u32>],
+    faces: i64,
+}
+
+/// Splits the cage's faces until every piece is good enough, or there are enough. Of `offers`
+/// there is one for every depth that may be split.
 pub(super) fn select(
-    cut: &mut Cut<'_>,
-    eye: &Eye,
-    options: &AdaptiveOptions,
+    store: &mut Store,
+    choice: Choice<'_>,
+    offers: &mut [Vec<u32>],
     pass: &mut u32,
-) -> bool {
-    for face in 0..cut.store.tiers[0].faces.len() as u32 {
-        for c in cut.store.tiers[0].corners_of(face) {
-            cut.store.wedge(0, c);
-        }
-        cut.offer(0, Piece::Face(face));
-        cut.faces += usize::from(!cut.store.is_hole(0, face));
-    }
-    for depth in 0..cut.offers.len() {
+) -> End {
+    let mut front = Front { offers, faces: 0 };
+    front.take(offer_cage(store, choice.cut));
+    for depth in 0..front.offers.len() {
         *pass += 1;
-        let offers = std::mem::take(&mut cut.offers[depth]);
-        let chosen = choose(cut.store, depth, &offers, (eye, options, *pass));
-        for (&id, chosen) in offers.iter().zip(chosen) {
-            if chosen && cut.faces >= options.max_faces {
-                return false;
-            }
-            if chosen {
-                cut.split(depth / 2, piece(depth, id));
+        let offers = std::mem::take(&mut front.offers[depth]);
+        let seen = look_at(store, depth, &offers, (choice, *pass));
+        let split = match choice.in_order {
+            true => split_in_order,
+            false => split_together,
+        };
+        let end = split(store, depth, (&offers, &seen), (choice, &mut front));
+        // Given back for its memory.
+        front.offers[depth] = offers;
+        if end != End::Complete {
+            return end;
+        }
+    }
+    End::Complete
+}
+
+fn offer_cage(store: &mut Store, cut: Cut) -> Yield {
+    let mut first = Yield::default();
+    for face in 0..store.tiers[0].faces.len() as u32 {
+        for c in store.tiers[0].corners_of(face) {
+            store.wedge(0, c);
+        }
+        cut.offer(store, 0, Piece::Face(face), &mut first);
+        first.faces += i64::from(!store.is_hole(0, face));
+    }
+    first
+}
+
+impl Front<'_> {
+    /// Adds what was split, and what that offers.
+    fn take(&mut self, done: Yield) {
+        self.faces += done.faces;
+        for (depth, id) in done.offers {
+            if let Some(offers) = self.offers.get_mut(depth as usize) {
+                offers.push(id);
             }
         }
-        // Given back for its memory.
-        cut.offers[depth] = offers;
     }
-    true
 }
 
 fn piece(depth: usize, id: u32) -> Piece {
@@ -71,189 +104,124 @@ fn piece(depth: usize, id: u32) -> Piece {
     }
 }
 
-/// Which pieces of a depth are to be split.
-fn choose(
+/// What is seen of the pieces of a depth, measured if they were not; flags of what they face
+/// are left at their points.
+fn look_at(
     store: &mut Store,
     depth: usize,
     offers: &[u32],
-    (eye, options, pass): (&Eye, &AdaptiveOptions, u32),
-) -> Vec<bool> {
+    (choice, pass): (Choice<'_>, u32),
+) -> Vec<Option<Seen>> {
     let t = depth / 2;
-    let eyes = (eye, options.two_sided);
-    let mut seen = Vec::new();
+    let look = Look {
+        eye: choice.eye,
+        options: choice.options,
+        depth: depth as u32,
+    };
+    store.resize_marks();
     let shared = &*store;
+    let one = |&id: &u32| {
+        let seen = look.at(shared, t, piece(depth, id));
+        seen.inspect(|seen| shared.mark(t, piece(depth, id), seen, pass))
+    };
+    let mut seen = Vec::new();
     let all = offers.par_iter().with_min_len(BATCH);
-    all.map(|&id| look(shared, t, piece(depth, id), eyes))
-        .collect_into_vec(&mut seen);
+    all.map(one).collect_into_vec(&mut seen);
     for (&id, seen) in offers.iter().zip(&mut seen) {
         if seen.is_none() {
             store.measure(t, piece(depth, id));
-            *seen = look(store, t, piece(depth, id), eyes);
+            store.resize_marks();
+            *seen = look.at(store, t, piece(depth, id));
+            seen.inspect(|seen| store.mark(t, piece(depth, id), seen, pass));
         }
     }
-    store.marks.resize(store.points.len(), [0; 2]);
-    for (&id, seen) in offers.iter().zip(&seen) {
-        if let Some(seen) = seen {
-            store.mark(t, piece(depth, id), seen, pass);
-        }
-    }
-    let store = &*store;
-    let all = offers.par_iter().zip(&seen).with_min_len(BATCH);
-    let chosen = all.map(|(&id, seen)| {
-        let Some(seen) = seen else { return false };
-        let marks = store.marked(t, piece(depth, id), seen);
-        wanted(seen, marks, depth as u32, options)
-    });
-    chosen.collect()
+    seen
 }
 
-/// What is seen of a piece, if that has been measured.
-fn look(store: &Store, t: usize, piece: Piece, (eye, two_sided): (&Eye, bool)) -> Option<Seen> {
-    let shape = store.shape(t, piece);
-    if shape.error < 0.0 {
-        return None;
+/// Splits what is wanted of a depth, by all threads; what has to be made for that, afterwards.
+fn split_together(
+    store: &mut Store,
+    depth: usize,
+    (offers, seen): (&[u32], &[Option<Seen>]),
+    (choice, front): (Choice<'_>, &mut Front<'_>),
+) -> End {
+    let shared = &*store;
+    let batch = |(offers, seen): (&[u32], &[Option<Seen>])| {
+        let (mut to, mut missing, mut any) = (Yield::default(), Vec::new(), false);
+        for piece in wanted(shared, depth, offers, seen) {
+            any = true;
+            if choice.cut.split(shared, depth / 2, piece, &mut to) == Outcome::Missing {
+                missing.push(piece);
+            }
+        }
+        (to, missing, any)
+    };
+    let seen = seen.par_chunks(SPLIT_BATCH);
+    let batches = offers.par_chunks(SPLIT_BATCH).zip(seen).map(batch);
+    let batches: Vec<_> = batches.collect();
+    let (mut most, mut some) = (front.faces, false);
+    for (mut to, missing, any) in batches {
+        for piece in missing {
+            grow_and_split(store, depth, piece, (choice.cut, &mut to));
+        }
+        some |= any;
+        most += to.most;
+        front.take(to);
     }
-    let (center, radius) = (shape.center.as_dvec3(), f64::from(shape.radius));
-    let pixels = eye.pixels(center, radius);
-    let mut flags = 0;
-    for i in 0..eye.lookers.len() {
-        flags |= match eye.lookers[i].sees(shape) {
-            Some(true) => 0b01 << (2 * i),
-            Some(false) => 0b10 << (2 * i),
-            None => facings(store, t, piece, eye) & BOTH << (2 * i),
-        };
+    match some && most >= choice.most_faces() {
+        true => End::Unclear,
+        false => End::Complete,
     }
-    Some(Seen {
-        points: shape.points,
-        flags,
-        front: flags & 1 != 0 || two_sided,
-        outside: eye.outside(center, radius),
-        error: f64::from(shape.error) * pixels,
-        side: f64::from(shape.side) * pixels,
+}
+
+/// Splits what is wanted of a depth, one after the other, as long as there may be more faces.
+fn split_in_order(
+    store: &mut Store,
+    depth: usize,
+    (offers, seen): (&[u32], &[Option<Seen>]),
+    (choice, front): (Choice<'_>, &mut Front<'_>),
+) -> End {
+    let wanted: Vec<Piece> = wanted(store, depth, offers, seen).collect();
+    for piece in wanted {
+        if front.faces >= choice.most_faces() {
+            return End::Full;
+        }
+        let mut to = Yield::default();
+        if choice.cut.split(store, depth / 2, piece, &mut to) == Outcome::Missing {
+            grow_and_split(store, depth, piece, (choice.cut, &mut to));
+        }
+        front.take(to);
+    }
+    End::Complete
+}
+
+/// Those of a depth's pieces that are to be split.
+fn wanted<'a>(
+    store: &'a Store,
+    depth: usize,
+    offers: &'a [u32],
+    seen: &'a [Option<Seen>],
+) -> impl Iterator<Item = Piece> + 'a {
+    offers.iter().zip(seen).filter_map(move |(&id, seen)| {
+        let wants = store.wants(depth / 2, piece(depth, id), seen.as_ref()?);
+        wants.then(|| piece(depth, id))
     })
 }
 
-/// Bits of what faces whom in a piece, corner by corner: the eye by normals of the polygon,
-/// as published, and by those of the surface; lights by these alone.
-fn facings(store: &Store, t: usize, piece: Piece, eye: &Eye) -> u32 {
-    let quad = store.shape(t, piece).wedges;
-    if quad[0] != NONE {
-        return polygon_facings(&quad.map(|w| store.limit(w)), eye);
-    }
-    let tier = Store::tier_of(t, piece);
-    let corners = |c: &u32| store.corner_limit(tier, *c);
-    let of = |polygon: Polygon| {
-        let corners: SmallVec<[_; 8]> = polygon.iter().map(corners).collect();
-        polygon_facings(&corners, eye)
-    };
-    store
-        .polygons(t, piece)
-        .into_iter()
-        .map(of)
-        .fold(0, |a, b| a | b)
+fn grow_and_split(store: &mut Store, depth: usize, piece: Piece, (cut, to): (Cut, &mut Yield)) {
+    cut.grow(store, depth / 2, piece);
+    let outcome = cut.split(store, depth / 2, piece, to);
+    debug_assert_ne!(outcome, Outcome::Missing, "all has been made");
 }
 
-/// As [`facings`], of corners with their normals.
-fn polygon_facings(corners: &[(DVec3, DVec3)], eye: &Eye) -> u32 {
-    let of_surface = corners
-        .iter()
-        .map(|&(limit, normal)| facing(eye, limit, normal));
-    let flags = of_surface.fold(0, |a, b| a | b);
-    // Nothing is left to learn of the eye.
-    if flags & BOTH == BOTH {
-        return flags;
-    }
-    let limits: SmallVec<[DVec3; 8]> = corners.iter().map(|c| c.0).collect();
-    let of_polygon = limits
-        .iter()
-        .zip(corner_normals(&limits))
-        .map(|(&limit, normal)| facing(eye, limit, normal) & BOTH);
-    of_polygon.fold(flags, |a, b| a | b)
-}
-
-/// Bits of what faces whom.
-fn facing(eye: &Eye, place: DVec3, normal: DVec3) -> u32 {
-    let mut flags = 0;
-    for (i, looker) in eye.lookers.iter().enumerate() {
-        let along = looker.from(place).dot(normal);
-        flags |= (u32::from(along > 0.0) | u32::from(along < 0.0) << 1) << (2 * i);
-    }
-    flags
-}
-
-fn wanted(seen: &Seen, marks: u32, depth: u32, options: &AdaptiveOptions) -> bool {
-    if depth < options.depth_hidden {
-        return true;
-    }
-    if seen.outside {
-        return false;
-    }
-    let silhouette = marks & BOTH == BOTH;
-    if seen.front && depth < options.depth_front && unfinished(seen, options.pixels, options) {
-        return true;
-    }
-    if depth >= options.depth_silhouette {
-        return false;
-    }
-    let limit = options.silhouette_pixels.or(options.pixels);
-    if silhouette && unfinished(seen, limit, options) {
-        return true;
-    }
-    let terminator = marks & !BOTH != 0;
-    let close = options
-        .terminator_pixels
-        .is_some_and(|pixels| seen.error > pixels);
-    close && terminator && (seen.front || silhouette)
-}
-
-/// Whether a piece is too far from the limit surface, or too large; if neither matters, no
-/// piece is good enough.
-fn unfinished(seen: &Seen, pixels: Option<f64>, options: &AdaptiveOptions) -> bool {
-    match (pixels, options.side_pixels) {
-        (None, None) => true,
-        (pixels, side) => {
-            pixels.is_some_and(|p| seen.error > p) || side.is_some_and(|s| seen.side > s)
-        }
+impl Choice<'_> {
+    fn most_faces(&self) -> i64 {
+        i64::try_from(self.options.max_faces).unwrap_or(i64::MAX)
     }
 }
 
 impl Store {
-    /// Leaves flags at all points of a piece.
-    fn mark(&mut self, t: usize, piece: Piece, seen: &Seen, pass: u32) {
-        let points = match seen.points[0] {
-            NONE => self.corner_points(t, piece),
-            _ => SmallVec::from_slice(&seen.points),
-        };
-        for point in points {
-            let mark = &mut self.marks[point as usize];
-            let old = if mark[0] == pass { mark[1] } else { 0 };
-            *mark = [pass, old | seen.flags];
-        }
-    }
-
-    /// Lookers that one of the piece's points has something towards and something away from:
-    /// both bits of theirs.
-    fn marked(&self, t: usize, piece: Piece, seen: &Seen) -> u32 {
-        let both = |point: u32| {
-            let flags = self.marks[point as usize][1];
-            let pairs = flags & flags >> 1 & FIRST;
-            pairs | pairs << 1
-        };
-        if seen.points[0] != NONE {
-            return seen.points.map(both).into_iter().fold(0, |a, b| a | b);
-        }
-        let points = self.corner_points(t, piece).into_iter();
-        points.map(both).fold(0, |a, b| a | b)
-    }
-
-    /// Points of a piece of many corners.
-    fn corner_points(&self, t: usize, piece: Piece) -> SmallVec<[u32; 8]> {
-        let tier = Self::tier_of(t, piece);
-        let wedge = |c: u32| self.wedges[self.tiers[tier].wedges[c as usize] as usize].point;
-        self.polygons(t, piece)
-            .into_iter()
-            .flatten()
-            .map(wedge)
-            .collect()
+    fn resize_marks(&mut self) {
+        self.marks.resize(self.points.len(), Mark::default());
     }
 }

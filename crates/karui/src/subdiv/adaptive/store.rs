@@ -5,6 +5,8 @@
 //! has a place in it has the position that uniform refinement gives it there, whatever has
 //! been made around it.
 
+use super::piece::Piece;
+use super::stamp::{Mark, Stamps};
 use crate::error::{Error, Result};
 use crate::subdiv::Cage;
 use crate::subdiv::level::{Faces, Level};
@@ -54,9 +56,8 @@ pub(super) struct Edge {
     pub sharpness: f32,
     /// Whether it has one face only.
     pub open: bool,
-    /// Frames in which its diamond was last split, and offered to be split.
-    pub split: u32,
-    pub offered: u32,
+    /// Whether texture coordinates differ across it.
+    pub seam: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -68,8 +69,6 @@ pub(super) struct Face {
     /// Its place: the cage's corner it lies at, then two bits a tier. In the order of places
     /// everything comes out the same, whatever was made first.
     pub place: u64,
-    pub split: u32,
-    pub offered: u32,
 }
 
 /// One level of the uniform refinement.
@@ -86,6 +85,9 @@ pub(super) struct Tier {
     /// them, so that these lie close together.
     pub face_shapes: Vec<Shape>,
     pub edge_shapes: Vec<Shape>,
+    /// Of every face, and of the diamond over every edge.
+    pub face_stamps: Vec<Stamps>,
+    pub edge_stamps: Vec<Stamps>,
     /// Where the corners of faces are; all others have four.
     pub cage: Option<Faces>,
 }
@@ -144,28 +146,34 @@ pub(super) struct Store {
     pub tiers: Vec<Tier>,
     pub points: Vec<Point>,
     pub wedges: Vec<Wedge>,
-    /// Of every point, the pass in which flags were set, and these.
-    pub marks: Vec<[u32; 2]>,
+    /// Of every point.
+    pub marks: Vec<Mark>,
     /// Of every wedge, the frame in which it became a vertex, and which.
     pub drawn: Vec<[u32; 2]>,
     pub creases: CreaseMethod,
     pub triangles: TriangleRule,
+    /// Whether nothing is smooth: what is there stays, and the rest is means.
+    pub linear: bool,
     /// Faces of the cage that are left out; empty if none is.
     pub holes: Vec<bool>,
 }
 
 impl Store {
     pub fn new(cage: &Cage, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
-        let level = Level::of_cage(cage, options)?;
-        check_edges(&level)?;
+        Self::of_level(&Level::of_cage(cage, options)?, positions, options)
+    }
+
+    pub fn of_level(level: &Level, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
+        check_edges(level)?;
         let mut store = Self {
-            tiers: vec![Tier::of_level(&level)],
+            tiers: vec![Tier::of_level(level)],
             points: Vec::new(),
             wedges: Vec::new(),
             marks: Vec::new(),
             drawn: Vec::new(),
             creases: options.creases,
             triangles: options.triangles,
+            linear: false,
             holes: level.holes.clone(),
         };
         store.points = (0..positions.len()).map(|_| Point::NEW).collect();
@@ -209,12 +217,10 @@ impl Store {
         cage.face_shapes.clear();
         for edge in &mut cage.edges {
             (edge.point, edge.halves) = (NONE, NONE);
-            (edge.split, edge.offered) = (0, 0);
         }
-        for face in &mut cage.faces {
-            face.children = NONE;
-            (face.split, face.offered) = (0, 0);
-        }
+        cage.faces.iter_mut().for_each(|f| f.children = NONE);
+        cage.face_stamps = new_stamps(cage.faces.len());
+        cage.edge_stamps = new_stamps(cage.edges.len());
     }
 
     /// The face of the cage that a face lies on.
@@ -224,6 +230,18 @@ impl Store {
         };
         let place = self.tiers[tier].faces[face as usize].place;
         cage.of_corner((place >> (2 * (tier - 1))) as u32)
+    }
+
+    pub fn stamps(&self, tier: usize, piece: Piece) -> &Stamps {
+        match piece {
+            Piece::Face(f) => &self.tiers[tier].face_stamps[f as usize],
+            Piece::Diamond(e) => &self.tiers[tier].edge_stamps[e as usize],
+        }
+    }
+
+    /// Whether the wedge of a corner has been found.
+    pub fn has_wedge(&self, tier: usize, corner: u32) -> bool {
+        self.tiers[tier].wedges[corner as usize] != NONE
     }
 
     /// Whether a face is left out of the result.
@@ -264,8 +282,7 @@ impl Edge {
             halves: NONE,
             sharpness,
             open,
-            split: 0,
-            offered: 0,
+            seam: false,
         }
     }
 }
@@ -276,8 +293,6 @@ impl Face {
             parent,
             children: NONE,
             place,
-            split: 0,
-            offered: 0,
         }
     }
 }
@@ -293,6 +308,8 @@ impl Tier {
             wedges: Vec::new(),
             face_shapes: Vec::new(),
             edge_shapes: Vec::new(),
+            face_stamps: Vec::new(),
+            edge_stamps: Vec::new(),
             cage: None,
         }
     }
@@ -326,6 +343,8 @@ impl Tier {
             wedges: vec![NONE; level.corners().len()],
             face_shapes: Vec::new(),
             edge_shapes: Vec::new(),
+            face_stamps: new_stamps(level.faces().count()),
+            edge_stamps: new_stamps(level.edge_count()),
             cage: Some(level.faces().clone()),
         }
     }
@@ -372,6 +391,10 @@ impl Tier {
     pub fn place(&self, corner: u32) -> u64 {
         self.faces[self.face_of(corner) as usize].place
     }
+}
+
+fn new_stamps(count: usize) -> Vec<Stamps> {
+    (0..count).map(|_| Stamps::default()).collect()
 }
 
 /// Refuses edges that faces do not meet at in pairs.

@@ -63,7 +63,10 @@ impl Store {
             deep += 1;
         }
         let vertex = self.tiers[t].vertices[self.tiers[t].corners[corner as usize] as usize];
-        let rule = Rule::of(vertex.sharpness_if_for_ever(), &self.around(deep, &at));
+        let rule = match self.linear {
+            true => Rule::Corner,
+            false => Rule::of(vertex.sharpness_if_for_ever(), &self.around(deep, &at)),
+        };
         let fan = self.fan(deep, &at);
         let sectors = self.sectors(deep, &at);
         let sharp = self.around(deep, &at).iter().position(|&s| s > 0.0);
