@@ -24,7 +24,7 @@ pub struct LoadedControl {
 /// Reads a model as a control mesh for subdivision. OBJ keeps vertices whole at seams of
 /// texture coordinates and knows the tags `t crease`, `t corner`, `t hole`,
 /// `t interpolateboundary`, `t facevaryinginterpolateboundary`, `t creasemethod` and
-/// `t smoothtriangles`. In other formats vertices at one position are joined if they have
+/// `t smoothtriangles`; a fourth number of a vertex is its weight. In other formats vertices at one position are joined if they have
 /// texture coordinates or normals.
 ///
 /// # Errors
@@ -82,4 +82,19 @@ fn parts(format: Format, source: &mut Source<'_>) -> Result<(ControlMesh, Scene)
     }
     let mesh = ControlMesh::of_poly_mesh(&poly_of(format, source)?);
     Ok((mesh, Scene::from_mesh(TriMesh::default())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fourth_number_is_a_weight() {
+        let obj = b"v 0 0 0\nv 1 0 0 2.5\nv 1 1 0 1\nv 0 1 0\nf 1 2 3 4\n";
+        let control = read_control_bytes(Format::Obj, obj, "a.obj").unwrap().mesh;
+        assert_eq!(control.weights, Some(vec![1.0, 2.5, 1.0, 1.0]));
+        let obj = b"v 0 0 0 1\nv 1 0 0 1\nv 1 1 0 1\nf 1 2 3\n";
+        let control = read_control_bytes(Format::Obj, obj, "a.obj").unwrap().mesh;
+        assert_eq!(control.weights, None);
+    }
 }

@@ -100,10 +100,12 @@ impl Corners {
         mesh
     }
 
-    /// One vertex for every position, texture coordinates by corner.
+    /// One vertex for every position, texture coordinates by corner. `weights` may be fewer
+    /// than `positions`: the rest are 1.
     pub fn into_control(
         self,
         positions: Vec<Vec3>,
+        mut weights: Vec<f32>,
         mut uvs: Vec<Vec2>,
         colors: Option<Vec<Vec4>>,
     ) -> ControlMesh {
@@ -116,6 +118,9 @@ impl Corners {
             let without = indices.iter_mut().filter(|i| **i == NONE);
             without.for_each(|i| *i = filler);
         }
+        if !weights.is_empty() {
+            weights.resize(positions.len(), 1.0);
+        }
         ControlMesh {
             cage: Cage {
                 vertices: positions.len(),
@@ -123,6 +128,7 @@ impl Corners {
                 indices: self.positions,
                 ..Cage::default()
             },
+            weights: (!weights.is_empty()).then_some(weights),
             positions,
             colors,
             uvs: has_uvs.then_some(FaceVarying {

@@ -79,6 +79,8 @@ struct State {
     positions: Vec<Vec3>,
     /// As long as `positions` once a vertex had a colour; NaN where it has none.
     colors: Vec<Vec4>,
+    /// Fewer than `positions` if the rest are 1.
+    weights: Vec<f32>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     corners: Corners,
@@ -160,9 +162,13 @@ impl State {
         let color = match found {
             6 => Vec4::new(a, b, c, 1.0),
             7 => Vec4::new(a, b, c, d),
-            // A fourth number alone is the weight of a rational curve.
             _ => Vec4::NAN,
         };
+        // A fourth number alone is the weight in a rational surface.
+        if found == 4 && a != 1.0 && self.tags.is_some() {
+            self.weights.resize(self.positions.len() - 1, 1.0);
+            self.weights.push(a);
+        }
         if found >= 6 || !self.colors.is_empty() {
             self.colors.resize(self.positions.len() - 1, Vec4::NAN);
             self.colors.push(color);
@@ -319,7 +325,9 @@ impl State {
     fn finish_control(mut self, source: &mut Source<'_>) -> Result<Control> {
         let (library, materials) = self.check(source)?;
         let colors = scaled(std::mem::take(&mut self.colors), self.positions.len());
-        let mut mesh = self.corners.into_control(self.positions, self.uvs, colors);
+        let mut mesh = self
+            .corners
+            .into_control(self.positions, self.weights, self.uvs, colors);
         for material in mesh.face_materials.iter_mut().flatten() {
             *material = materials[*material as usize];
         }

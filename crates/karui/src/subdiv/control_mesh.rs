@@ -12,6 +12,8 @@ pub struct ControlMesh {
     pub cage: Cage,
     /// Position of every vertex, model units.
     pub positions: Vec<Vec3>,
+    /// Weight of every vertex of a rational surface, more than 0; `None` if all are 1.
+    pub weights: Option<Vec<f32>>,
     /// Colour of every vertex, linear RGBA.
     pub colors: Option<Vec<Vec4>>,
     /// Texture coordinates of every corner of a face.
@@ -91,6 +93,7 @@ impl ControlMesh {
                 ..Cage::default()
             },
             positions: first.iter().map(|&v| mesh.positions[v as usize]).collect(),
+            weights: None,
             colors: attributes.colors.first().map(color),
             uvs,
             face_materials: mesh.face_materials.clone(),

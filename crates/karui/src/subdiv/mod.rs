@@ -34,6 +34,7 @@ mod loop_;
 mod masks;
 mod options;
 mod patches;
+mod rational;
 mod refinement;
 mod size;
 mod split;

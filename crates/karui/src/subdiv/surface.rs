@@ -2,11 +2,12 @@
 
 use super::control_mesh::ControlMesh;
 use super::options::SubdivOptions;
+use super::rational;
 use super::refinement::Refinement;
 use crate::error::Result;
 use crate::mesh::{PolyMesh, TriMesh};
 use crate::progress::Progress;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec4};
 use std::array::from_fn;
 
 /// What a surface is made of.
@@ -33,7 +34,10 @@ pub struct Subdivided {
 ///
 /// # Errors
 /// As [`Refinement::new`], [`Refinement::evaluate`], [`Refinement::face_varying`] and
-/// [`Refinement::limits`].
+/// [`Refinement::limits`]; [`Error::LengthMismatch`](crate::Error::LengthMismatch),
+/// [`Error::NotFinite`](crate::Error::NotFinite) or
+/// [`Error::BadOption`](crate::Error::BadOption) for weights that are not one a vertex, finite
+/// and more than 0.
 pub fn subdivide(
     control: &ControlMesh,
     options: &SubdivOptions,
@@ -90,15 +94,13 @@ fn place(
     surface: SurfaceOptions,
     mesh: &mut PolyMesh,
 ) -> Result<()> {
-    let cage: Vec<[f32; 3]> = control.positions.iter().map(Vec3::to_array).collect();
     if surface.on_limit || surface.normals {
-        let limits = refinement.limits(&cage)?;
+        let limits = rational::limits(control, refinement)?;
         mesh.positions = limits.positions;
         mesh.attributes.normals = surface.normals.then_some(limits.normals);
     }
     if !surface.on_limit {
-        let positions = refinement.evaluate(&cage)?;
-        mesh.positions = positions.into_iter().map(Vec3::from).collect();
+        mesh.positions = rational::positions(control, refinement)?;
     }
     Ok(())
 }

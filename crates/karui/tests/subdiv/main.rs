@@ -7,6 +7,7 @@ use karui::subdiv::{
     SurfaceOptions, subdivide,
 };
 mod limits;
+mod rational;
 
 use karui::{Error, Silent};
 use proptest::prelude::*;

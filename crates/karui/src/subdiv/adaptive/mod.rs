@@ -94,8 +94,13 @@ impl Adaptive {
     ///
     /// # Errors
     /// As [`Adaptive::new`]; [`Error::LengthMismatch`], [`Error::IndexOutOfRange`] or
-    /// [`Error::NotFinite`] for values.
+    /// [`Error::NotFinite`] for values; [`Error::BadOption`] for weights: rational surfaces
+    /// are refined uniformly only.
     pub fn of_control(control: &ControlMesh, options: &SubdivOptions) -> Result<Self> {
+        if let Some(weights) = &control.weights {
+            let found = format!("{} of them", weights.len());
+            return Err(options::bad("weights", &found, "none, to be adaptive"));
+        }
         let options = control.rules.apply(*options);
         let mut made = Self::new(&control.cage, &control.positions, &options)?;
         made.skin = Skin::new(control, &mut made.store, &options)?;
