@@ -49,15 +49,15 @@ fn weights_are_a_projection_of_the_surface() {
             let of = |control| subdivide(control, &options, surface, &Silent).unwrap().mesh;
             let (plain, rational) = (of(&plain), of(&rational));
             assert_eq!(plain.indices, rational.indices);
-            let normals = [&plain, &rational].map(|m| m.attributes.normals.as_ref().unwrap());
-            for v in 0..plain.positions.len() {
+            let [flat, seen] = [&plain, &rational].map(|m| m.attributes.normals.as_ref().unwrap());
+            for (v, (normal, seen)) in flat.iter().zip(seen).enumerate() {
                 let at = projected(plain.positions[v]).0;
                 assert!(at.distance(rational.positions[v]) < 1e-5, "{scheme:?} {v}");
                 // Planes go by the inverse; only that of the limit is one of the surface.
-                if on_limit && normals[0][v].length() > 0.5 {
-                    let plane = normals[0][v].extend(-normals[0][v].dot(plain.positions[v]));
+                if on_limit && normal.length() > 0.5 {
+                    let plane = normal.extend(-normal.dot(plain.positions[v]));
                     let plane = projection().inverse().transpose() * plane;
-                    let dot = plane.truncate().normalize().dot(normals[1][v]);
+                    let dot = plane.truncate().normalize().dot(*seen);
                     assert!(dot > 1.0 - 1e-4, "{scheme:?} {v}: {dot}");
                 }
             }
