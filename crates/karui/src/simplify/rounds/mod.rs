@@ -70,6 +70,9 @@ const EASE_FROM: usize = 5;
 const EASE_PHASE: f64 = 0.6;
 /// ...or when collapses have become so many times as dear.
 const EASE_PRICE: f32 = 4.0;
+/// A round that collapses less than one in so many of the edges it should has moved next to
+/// nothing.
+const FEW_MOVED: usize = 32;
 /// A phase that takes less than one in so many triangles is idle: what is left to
 /// collapse then is not worth a new cut.
 const IDLE: usize = 512;
@@ -214,9 +217,8 @@ impl Run<'_> {
     /// Rounds over these blocks until the target is met, the phase's share is
     /// done or nothing happens any more. Returns what each round did.
     fn phase(&mut self, blocks: &mut [Block]) -> Result<Vec<Step>> {
-        let all = |blocks: &[Block]| blocks.iter().map(|b| b.alive).sum::<usize>();
         let stuck: Vec<usize> = blocks.par_iter().map(Block::stuck).collect();
-        let (stuck, start) = (stuck.iter().sum::<usize>(), all(blocks));
+        let (stuck, start) = (stuck.iter().sum::<usize>(), all_alive(blocks));
         let enough = match start - stuck {
             // The others must not come down for these: the next cut may free them.
             free if stuck > 0 && free > 0 => Some(stuck + (free as f64 * PHASE) as usize),
@@ -227,7 +229,7 @@ impl Run<'_> {
         let least = enough.unwrap_or(0).max(self.target.triangles);
         let mut steps = Vec::new();
         loop {
-            let alive = all(blocks);
+            let alive = all_alive(blocks);
             if alive <= least {
                 break;
             }
@@ -307,12 +309,16 @@ impl Run<'_> {
         let last = excess <= LAST.max(alive / 32);
         let wanted = (self.pace.share * edges as f64) as usize;
         let guard = self.guard_at(alive);
-        // A round that moves nothing is tried again with dearer edges.
         let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
+        // A round that moves next to nothing is gone on with at dearer edges: where most are
+        // refused there would else be as many rounds as collapses.
+        let enough = before + (wish / FEW_MOVED).max(1);
+        let mut taken = None;
         while let Some(bin) = quantile(&counts, wish) {
             let threshold = upper_end(bin);
             let under = |counts: &[usize]| counts[..=bin].iter().sum::<usize>();
-            let most = wish.min(excess / 2).max(1);
+            let alive = all_alive(blocks);
+            let most = wish.min((alive - self.target.triangles) / 2).max(1);
             let share = (most as f64 / under(&counts).max(1) as f64).min(1.0);
             let step = Step { bin, share };
             if last {
@@ -321,15 +327,16 @@ impl Run<'_> {
                 let both = blocks.par_iter_mut().zip(&bins);
                 both.for_each(|(block, bins)| step.take(block, bins, guard));
             }
-            if collapses(blocks) > before {
-                return Some(step);
+            let moved = collapses(blocks);
+            if moved > before {
+                taken = Some(step);
             }
-            if wish >= edges {
+            if moved >= enough || wish >= edges || all_alive(blocks) <= self.target.triangles {
                 break;
             }
             wish *= 4;
         }
-        None
+        taken
     }
 
     /// Collapses the cheapest edges of all blocks one after another, to end on
@@ -385,6 +392,10 @@ impl Step {
         let most = (f64::from(own) * self.share).ceil() as usize;
         block.collapse_under(upper_end(self.bin), most, guard);
     }
+}
+
+fn all_alive(blocks: &[Block]) -> usize {
+    blocks.iter().map(|b| b.alive).sum()
 }
 
 /// The bin up to which about `wish` edges lie; none if there is no edge.
