@@ -23,6 +23,32 @@ impl Progress for Silent {
     fn report(&self, _: &'static str, _: f32) {}
 }
 
+/// A part of longer work: what it tells is told of one stage of the whole, between two
+/// fractions.
+#[derive(Clone, Copy)]
+pub struct Share<'a> {
+    /// Observer of the whole.
+    pub whole: &'a dyn Progress,
+    /// Stage of the whole.
+    pub stage: &'static str,
+    /// Fraction of the stage at which the part begins.
+    pub from: f32,
+    /// Fraction at which it ends.
+    pub to: f32,
+}
+
+impl Progress for Share<'_> {
+    fn report(&self, _: &'static str, fraction: f32) {
+        let along = fraction.clamp(0.0, 1.0);
+        let told = self.from + along * (self.to - self.from);
+        self.whole.report(self.stage, told);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}
+
 /// Reports and turns a wish to stop into an error, for use with `?`.
 ///
 /// # Errors

@@ -16,4 +16,4 @@ pub use surface_distance::{
     Distance, Samples, SurfaceDistance, SurfaceDistanceOptions, directed_distance,
     surface_distance, surface_distance_between,
 };
-pub use vertex_distance::{vertex_distances, vertex_distances_to};
+pub use vertex_distance::{vertex_distances, vertex_distances_observed, vertex_distances_to};

@@ -2,11 +2,11 @@
 
 use super::{
     HybridOptions, MeshSaliencyOptions, MultiView, MultiViewOptions, SMOOTHING, Views, curvature,
-    curvature_sizes, hybrid, mesh_saliency, multi_view, smooth,
+    curvature_sizes, hybrid, mesh_saliency_observed, multi_view, smooth,
 };
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, Share, step};
 use crate::render::Model;
 use std::str::FromStr;
 
@@ -61,7 +61,7 @@ impl Kind {
     /// triangles. Smoothed over `smoothing`, a share of the diagonal, or as the kind is.
     ///
     /// # Errors
-    /// Those of [`curvature`], [`mesh_saliency`], [`multi_view`], [`hybrid`] and [`smooth`];
+    /// Those of [`curvature`], [`mesh_saliency`](super::mesh_saliency), [`multi_view`], [`hybrid`] and [`smooth`];
     /// [`Error::Cancelled`].
     pub fn saliency(
         self,
@@ -77,18 +77,29 @@ impl Kind {
         let count = model.meshes.len().max(1) as f32;
         let each = model.meshes.iter().zip(views).enumerate();
         each.map(|(i, (mesh, views))| {
-            step(progress, "saliency", i as f32 / count)?;
+            let own = Share {
+                whole: progress,
+                stage: "saliency",
+                from: i as f32 / count,
+                to: (i + 1) as f32 / count,
+            };
+            step(&own, "saliency", 0.0)?;
             match mesh.triangles.is_empty() {
                 true => Ok(vec![0.0; mesh.positions.len()]),
-                false => smooth(mesh, &self.of_mesh(mesh, views)?, width),
+                false => smooth(mesh, &self.of_mesh(mesh, views, &own)?, width),
             }
         })
         .collect()
     }
 
-    fn of_mesh(self, mesh: &TriMesh, views: MultiView) -> Result<Vec<f32>> {
+    fn of_mesh(
+        self,
+        mesh: &TriMesh,
+        views: MultiView,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f32>> {
         let bends = || Ok::<_, Error>(curvature_sizes(&curvature(mesh)?));
-        let shape = || mesh_saliency(mesh, &MeshSaliencyOptions::default());
+        let shape = || mesh_saliency_observed(mesh, &MeshSaliencyOptions::default(), progress);
         match self {
             Self::Curvature => bends(),
             Self::Mesh => shape(),
@@ -126,6 +137,35 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
     use crate::progress::Silent;
+    use crate::saliency::mesh_saliency;
+    use std::sync::Mutex;
+
+    /// Stops once the fraction of a stage is reached.
+    struct Until(&'static str, f32, Mutex<Vec<f32>>);
+
+    impl Progress for Until {
+        fn report(&self, stage: &'static str, fraction: f32) {
+            if stage == self.0 {
+                self.2.lock().unwrap().push(fraction);
+            }
+        }
+
+        fn cancelled(&self) -> bool {
+            let told = self.2.lock().unwrap();
+            told.last().is_some_and(|&last| last >= self.1)
+        }
+    }
+
+    #[test]
+    fn a_single_mesh_can_be_stopped_on_the_way() {
+        let mesh = shapes::torus(2.0, 0.7, 48, 24);
+        let model = Model::of_mesh(&mesh);
+        let observer = Until("saliency", 0.5, Mutex::default());
+        let stopped = Kind::Mesh.saliency(&model, None, &observer);
+        assert_eq!(stopped, Err(Error::Cancelled));
+        let told = observer.2.lock().unwrap();
+        assert!(told.len() > 3 && told.is_sorted(), "{told:?}");
+    }
 
     #[test]
     fn names_lead_back() {

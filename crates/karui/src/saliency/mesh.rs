@@ -5,6 +5,7 @@ use super::gauss::Tree;
 use super::stars::Stars;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
+use crate::progress::{Progress, Silent, step};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -115,11 +116,24 @@ impl Default for MeshSaliencyOptions {
 /// [`Error::BadOption`], [`Error::IndexOutOfRange`], [`Error::TooLarge`], and
 /// [`Error::NotFinite`] for a position that is not.
 pub fn mesh_saliency(mesh: &TriMesh, options: &MeshSaliencyOptions) -> Result<Vec<f32>> {
+    mesh_saliency_observed(mesh, options, &Silent)
+}
+
+/// As [`mesh_saliency`], with an observer.
+///
+/// # Errors
+/// Those of [`mesh_saliency`]; [`Error::Cancelled`].
+pub fn mesh_saliency_observed(
+    mesh: &TriMesh,
+    options: &MeshSaliencyOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<f32>> {
     options.check()?;
+    step(progress, "mesh saliency", 0.0)?;
     let stars = Stars::of(mesh)?;
     let mut total = vec![0.0; stars.points.len()];
     let samples = Samples::of(&stars, options.estimator);
-    for scale in samples.differences(options) {
+    for scale in samples.differences(options, progress)? {
         let factor = options.suppression.factor(&stars, &scale);
         let sum = |(t, s): (&mut f64, &f64)| *t += s * factor;
         total.par_iter_mut().zip(&scale).for_each(sum);
@@ -172,9 +186,13 @@ impl Samples {
 
     /// `|G(s) - G(2 s)|` of every point, with the maximum 1, for every scale
     /// that shows something.
-    fn differences(&self, options: &MeshSaliencyOptions) -> Vec<Vec<f64>> {
+    fn differences(
+        &self,
+        options: &MeshSaliencyOptions,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Vec<f64>>> {
         if self.largest <= 0.0 {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let magnitude: f64 = self.bends.iter().map(|b| b.abs()).sum();
         let level = magnitude / self.bends.len() as f64 + 1.0 / self.diagonal / self.largest;
@@ -184,12 +202,16 @@ impl Samples {
         widths.dedup();
         let tree = Tree::new(&self.places, &self.bends, self.diagonal);
         let unit = options.epsilon * self.diagonal;
-        let means: Vec<Vec<f64>> = widths.iter().map(|w| tree.means(w * unit)).collect();
+        let mean = |(i, width): (usize, &f64)| {
+            let done = (1 + i) as f32 / (1 + widths.len()) as f32;
+            step(progress, "mesh saliency", done)?;
+            Ok(tree.means(width * unit))
+        };
+        let means: Vec<Vec<f64>> = widths.iter().enumerate().map(mean).collect::<Result<_>>()?;
         let of_width = |w: f64| &means[widths.partition_point(|x| *x < w)];
-        let scales = options.scales.iter();
-        scales
-            .filter_map(|&s| self.difference(of_width(s), of_width(2.0 * s), options.flat * level))
-            .collect()
+        let least = options.flat * level;
+        let difference = |&s: &f64| self.difference(of_width(s), of_width(2.0 * s), least);
+        Ok(options.scales.iter().filter_map(difference).collect())
     }
 
     /// Nothing if the maximum is not above `least`.

@@ -28,7 +28,7 @@ pub use curvature::{
 pub use hybrid::{Class, Hybrid, HybridOptions, hybrid};
 pub use image::{ImageSaliency, ImageSaliencyOptions, Opponency, SaliencyMap, image_saliency};
 pub use kind::Kind;
-pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency};
+pub use mesh::{MeshSaliencyOptions, Suppression, mesh_saliency, mesh_saliency_observed};
 pub use preset::Preset;
 pub use smooth::{SMOOTHING, smooth};
 pub use views::{MultiView, MultiViewOptions, Unseen, ViewLights, Views, multi_view};
