@@ -121,6 +121,86 @@ async function slide(page, label, to) {
   }, String(to));
 }
 
+/** What every control of the panel says. */
+const controls = (page) => probe(page, () => [...document.querySelectorAll(".panel :is(input, select, [role=radio])")].map((control) => {
+  const label = control.closest("label, .field")?.textContent ?? control.textContent;
+  const value = control.type === "checkbox" ? control.checked : control.getAttribute("aria-checked") ?? control.value;
+  return [label, value];
+}));
+
+/** Opens the address that a page has by now in another one: the controls say the same there. */
+async function byLink(page, part) {
+  await page.waitForFunction((text) => location.hash.includes(text), part, WAIT);
+  await page.waitForTimeout(400);
+  const other = await open(page.url());
+  await ready(other);
+  equal(await controls(other), await controls(page), "controls of the page by link");
+  equal(other.complaints, [], "errors of the page by link");
+  return other;
+}
+
+/** A PLY of a wavy square, two triangles a cell. */
+function waves(cells) {
+  const [side, name] = [cells + 1, path.join(scratch, `waves${cells}.ply`)];
+  const head = Buffer.from(`ply\nformat binary_little_endian 1.0\nelement vertex ${side * side}\nproperty float x\nproperty float y\nproperty float z\nelement face ${2 * cells * cells}\nproperty list uchar int vertex_indices\nend_header\n`);
+  const [points, faces] = [Buffer.alloc(12 * side * side), Buffer.alloc(26 * cells * cells)];
+  for (let i = 0; i < side * side; i++) {
+    const [x, z] = [(i % side) / cells, Math.floor(i / side) / cells];
+    [x, 0.05 * Math.sin(40 * x) * Math.sin(17 * z * z), z].forEach((value, k) => points.writeFloatLE(value, 12 * i + 4 * k));
+  }
+  for (let i = 0; i < cells * cells; i++) {
+    const a = (i % cells) + side * Math.floor(i / cells);
+    [[a, a + side, a + 1], [a + 1, a + side, a + side + 1]].forEach((face, half) => {
+      const at = 26 * i + 13 * half;
+      faces.writeUInt8(3, at);
+      face.forEach((corner, k) => faces.writeInt32LE(corner, at + 1 + 4 * k));
+    });
+  }
+  writeFileSync(name, Buffer.concat([head, points, faces]));
+  return name;
+}
+
+/** Pixels that are nearly of a colour, and where their middle is. */
+async function pixelsOf(page, color) {
+  const box = await page.locator("main canvas").first().boundingBox();
+  const png = (await page.locator("main canvas").first().screenshot()).toString("base64");
+  const found = await page.evaluate(async ([data, wanted]) => {
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
+    let [count, x, y] = [0, 0, 0];
+    for (let i = 0; i < pixels.length; i += 4) {
+      if (!wanted.every((c, k) => Math.abs(c - pixels[i + k]) < 4)) continue;
+      [count, x, y] = [count + 1, x + ((i / 4) % image.width), y + Math.floor(i / 4 / image.width)];
+    }
+    return { count, x: x / count, y: y / count };
+  }, [png, color]);
+  return { count: found.count, x: box.x + found.x, y: box.y + found.y };
+}
+
+/** How the jobs of a server are, by number. */
+async function jobs(url) {
+  const states = [];
+  for (let j = 0; ; j++) {
+    const answer = await fetch(`${url}api/jobs/${j}`);
+    if (!answer.ok) return states;
+    states.push((await answer.json()).state);
+  }
+}
+
+/** Waits until the latest job is told to have ended so. */
+async function lastJob(url, state) {
+  const end = Date.now() + 20_000;
+  for (;;) {
+    const last = (await jobs(url)).at(-1);
+    if (last === state) return;
+    check(Date.now() < end, `the latest job is ${last}, not ${state}`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
+
 /** Levels made, the slider moved to each, what is told and drawn compared with the server's. */
 async function levels(page, name) {
   await ready(page);
@@ -229,6 +309,117 @@ const tests = {
     });
   },
 
+  async heat() {
+    await withPage([waves(600)], "", async (page, { url }) => {
+      await page.waitForFunction(() => window.karui?.ready && window.karui.level === 0, undefined, WAIT);
+      const begin = async (heat) => {
+        await page.evaluate((kind) => window.karui.set({ heat: kind }), heat);
+        await page.waitForFunction(() => window.karui.waiting?.stage !== "starting" && window.karui.waiting, undefined, WAIT);
+      };
+      await begin("mesh");
+      await shot(page, "heat-waits");
+      await page.getByRole("button", { name: "Cancel" }).click();
+      equal(await probe(page, () => [window.karui.state.heat, window.karui.waiting]), ["", null], "after Cancel");
+      await lastJob(url, "cancelled");
+      await begin("hybrid");
+      await page.evaluate(() => window.karui.set({ heat: "error" }));
+      await page.waitForFunction(() => window.karui.ready && !window.karui.waiting && document.querySelector(".legend")?.innerText.includes("Surface error"), undefined, WAIT);
+      equal((await jobs(url)).filter((state) => state === "cancelled").length, 2, "jobs cancelled, the first and what another map took the place of");
+      equal(await probe(page, () => document.querySelector(".toasts").innerText), "", "what was broken off is no error");
+      const other = await open(`${url}#heat=hybrid`);
+      await other.waitForFunction(() => window.karui?.waiting, undefined, WAIT);
+      await other.close();
+      await lastJob(url, "cancelled");
+    });
+  },
+
+  async elsewhere() {
+    await withPage([ASSET], "", async (page, { url }) => {
+      await page.waitForFunction(() => window.karui?.levels?.length > 3 && window.karui.ready, undefined, WAIT);
+      const other = await open(url);
+      await other.waitForFunction(() => window.karui?.levels?.length > 3 && window.karui.ready, undefined, WAIT);
+      await page.getByLabel("Levels, each half").fill("2");
+      await page.getByLabel("Levels, each half").blur();
+      await page.keyboard.press("m");
+      await other.waitForFunction(() => window.karui.levels.length === 3 && window.karui.ready, undefined, WAIT);
+      equal(await probe(other, () => window.karui.levels), await probe(page, () => window.karui.levels), "levels on both pages");
+      equal(other.complaints, [], "errors of the other page");
+      await other.close();
+    });
+  },
+
+  async livelink() {
+    await withPage([ASSET], "#tab=live", async (page) => {
+      await ready(page);
+      await page.getByRole("radiogroup", { name: "Hierarchy" }).getByText("Clusters").click();
+      await page.waitForFunction(() => window.karui.ready && "threshold" in window.karui.live.options, undefined, WAIT);
+      await slide(page, "Error", 300);
+      await page.getByLabel("Limit triangles").check();
+      await slide(page, "At most", 200);
+      await slide(page, "Around", 60);
+      await slide(page, "Away", 500);
+      await page.getByLabel("Wireframe").check();
+      for (const key of ["o", "k"]) await page.keyboard.press(key);
+      const other = await byLink(page, "colors:cluster");
+      const told = () => [window.karui.live.options, window.karui.live.lamp(), window.karui.state.live];
+      equal(await probe(other, told), await probe(page, told), "options, lamp and state");
+      const frame = await probe(other, () => ({ camera: { eye: window.karui.state.camera.slice(0, 3), target: window.karui.state.camera.slice(3) }, lights: [] }));
+      const [here, there] = await Promise.all([page, other].map((p) => p.evaluate(async (f) => (await window.karui.live.go(f)).triangles, frame)));
+      equal(there, here, "triangles from the same eye");
+      await page.evaluate(() => (location.hash = "#tab=live&live=half-edge.area:400,lit:0"));
+      await page.waitForFunction(() => window.karui.ready && window.karui.live.options.area === 400, undefined, WAIT);
+      check(!(await page.getByLabel("Light counts").isChecked()), "controls follow the address");
+      await other.close();
+    });
+  },
+
+  async lamp() {
+    await withPage([ASSET], "#tab=live&live=outside:no", async (page) => {
+      await ready(page);
+      await page.evaluate(() => window.karui.setPose(window.karui.pose().map((x, i, all) => (i < 3 ? all[i + 3] + 2 * (x - all[i + 3]) : x))));
+      for (const place of ["around:59,up:17,away:2.5", "around:159,up:0,away:4"]) {
+        await page.evaluate((where) => window.karui.set({ live: `outside:no,${where}` }), place);
+        await page.waitForTimeout(500);
+        const { count } = await pixelsOf(page, [255, 210, 122]);
+        check(count > 20, `the lamp at ${place} has ${count} pixels`);
+      }
+      const { x, y } = await pixelsOf(page, [255, 210, 122]);
+      const before = await probe(page, () => window.karui.live.lamp());
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x - 80, y - 40, { steps: 4 });
+      await page.mouse.up();
+      const after = await probe(page, () => window.karui.live.lamp());
+      check(Math.hypot(...after.map((value, k) => value - before[k])) > 0, "the lamp is dragged");
+      await page.waitForTimeout(400);
+      const moved = await pixelsOf(page, [255, 210, 122]);
+      check(Math.hypot(moved.x - x + 80, moved.y - y + 40) < 6, `the lamp follows the hand: ${JSON.stringify([x, y, moved])}`);
+      const up = await page.getByRole("slider", { name: "Up" }).evaluate((slider) => Number(slider.value));
+      check(Math.abs(up - (await probe(page, () => Number(/up:([-\d.]+)/.exec(window.karui.state.live)?.[1] ?? 45)))) <= 0.5, "the slider follows the hand");
+    });
+  },
+
+  async full() {
+    await withPage([ASSET], "", async (page, { url }) => {
+      await page.evaluate(async () => {
+        const address = new URL("api/files/0/live?kind=clusters", location.href);
+        address.protocol = "ws:";
+        address.hash = "";
+        window.sockets = Array.from({ length: 16 }, () => new WebSocket(address));
+        await Promise.all(window.sockets.map((socket) => new Promise((resolve) => (socket.onmessage = resolve))));
+      });
+      const other = await open(`${url}#tab=live`);
+      await toast(other, "16 pages already");
+      await shot(other, "full");
+      equal(await other.locator(".toast.error").count(), 1, "messages");
+      await page.evaluate(() => window.sockets.forEach((socket) => socket.close()));
+      await other.waitForTimeout(500);
+      await other.reload();
+      await ready(other);
+      await other.close();
+    });
+  },
+
   async live() {
     await withPage([ASSET], "#tab=live", async (page) => {
       const { frames, found, size, options: kept } = await followed(page, ASSET, "half-edge");
@@ -244,10 +435,20 @@ const tests = {
   async clusters() {
     await withPage([ASSET], "#tab=live", async (page) => {
       await ready(page);
-      await page.getByText("Clusters", { exact: true }).click();
+      await page.getByRole("radiogroup", { name: "Hierarchy" }).getByText("Clusters").click();
       await page.waitForFunction(() => window.karui.ready && "threshold" in window.karui.live.options, undefined, WAIT);
+      await page.evaluate(() => window.karui.set({ live: `${window.karui.state.live},colors:cluster` }));
+      const colors = async () => new Map((await probe(page, () => window.karui.live.colors())).map(({ id, color }) => [id, String(color)]));
+      const first = await colors();
       const { found } = await followed(page, ASSET, "clusters");
       check(found[3] > found[0], `nearer, there is more: ${found}`);
+      const last = await colors();
+      equal(last.size, await probe(page, () => window.karui.live.numbers.slots), "clusters with a colour");
+      check(new Set(last.values()).size > 0.9 * last.size, `${new Set(last.values()).size} colours of ${last.size} clusters`);
+      for (const [id, color] of last) check((first.get(id) ?? color) === color, `cluster ${id} keeps its colour`);
+      await page.keyboard.press("k");
+      await page.waitForFunction(() => document.querySelector(".legend")?.innerText.includes("finest"), undefined, WAIT);
+      await shot(page, "live-levels");
     });
   },
 
@@ -262,6 +463,12 @@ const tests = {
       await shot(page, "adaptive");
       await page.evaluate(() => window.karui.adaptive.set("catmull-clark", 3));
       await page.waitForFunction(() => window.karui.ready && window.karui.triangles === 6 * 64 * 2, undefined, WAIT);
+      await page.getByLabel("Boundary").selectOption("edge");
+      await page.getByLabel("Control mesh").uncheck();
+      await slide(page, "Away", 700);
+      const other = await byLink(page, "cage:0");
+      equal(await probe(other, () => window.karui.triangles), 6 * 64 * 2, "triangles by link");
+      await other.close();
     });
   },
 
@@ -276,7 +483,9 @@ const tests = {
       await page.evaluate(() => (window.karui.tiles.paint("group"), window.karui.tiles.setError(300)));
       await page.waitForFunction((n) => window.karui.ready && window.karui.tileCounts.triangles < n, whole.triangles, WAIT);
       equal(await probe(page, () => window.karui.tileCounts.failed), 0, "failed tiles");
+      equal(await page.getByRole("slider", { name: "Error Ω_t" }).getAttribute("aria-valuetext"), "300 px", "the slider");
       await shot(page, "tiles-groups");
+      await (await byLink(page, "error:300")).close();
     });
   },
 

@@ -1,5 +1,6 @@
 //! Work that takes longer than a request.
 
+use crate::refusal::Refusal;
 use karui::Progress;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -11,8 +12,8 @@ const KEPT: usize = 64;
 /// A piece of long work.
 #[derive(Debug)]
 pub struct Job {
-    /// File it works on.
-    file: usize,
+    /// File it alone works on.
+    file: Option<usize>,
     /// What is to be done, in words that are the same for the same work.
     what: String,
     /// Bits of an `f32`.
@@ -50,7 +51,7 @@ pub struct Report {
 }
 
 impl Job {
-    fn new(file: usize, what: &str) -> Self {
+    fn new(file: Option<usize>, what: &str) -> Self {
         let (stage, outcome) = ("waiting", None);
         Self {
             file,
@@ -59,6 +60,11 @@ impl Job {
             cancelled: AtomicBool::new(false),
             state: Mutex::new(State { stage, outcome }),
         }
+    }
+
+    /// A job that no number leads to.
+    pub fn nameless() -> Self {
+        Self::new(None, "")
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -78,6 +84,15 @@ impl Job {
     /// Writes down how it ended.
     pub fn end(&self, outcome: Outcome) {
         self.state().outcome = Some(outcome);
+    }
+
+    /// Writes down how its work ended, of which this came.
+    pub fn end_with<T>(&self, made: &Result<T, Refusal>) {
+        self.end(match made {
+            Ok(_) => Outcome::Done,
+            Err(_) if self.cancelled() => Outcome::Cancelled,
+            Err(refusal) => Outcome::Failed(refusal.message().to_owned()),
+        });
     }
 
     /// How it is going.
@@ -117,8 +132,22 @@ pub struct Jobs(Mutex<Numbered>);
 #[derive(Debug, Default)]
 struct Numbered {
     begun: usize,
-    /// The latest, the last being number `begun - 1`.
-    kept: Vec<Arc<Job>>,
+    /// The latest, in order.
+    kept: Vec<(usize, Arc<Job>)>,
+}
+
+impl Numbered {
+    /// Takes in a job. One that is over makes room, or the oldest if none is.
+    fn add(&mut self, job: Job) -> (usize, Arc<Job>) {
+        if self.kept.len() == KEPT {
+            let over = self.kept.iter().position(|(_, job)| !job.goes_on());
+            self.kept.remove(over.unwrap_or(0)).1.cancel();
+        }
+        let (id, job) = (self.begun, Arc::new(job));
+        self.kept.push((id, Arc::clone(&job)));
+        self.begun += 1;
+        (id, job)
+    }
 }
 
 impl Jobs {
@@ -130,31 +159,32 @@ impl Jobs {
     /// to end. The number alone if the very same work goes on already: two pages may ask.
     pub fn begin(&self, file: usize, what: &str) -> (usize, Option<Arc<Job>>) {
         let mut all = self.all();
-        let same = |job: &Arc<Job>| job.file == file && job.what == what && job.goes_on();
-        if let Some(at) = all.kept.iter().position(same) {
-            return (all.begun - all.kept.len() + at, None);
+        let same = |job: &Job| job.file == Some(file) && job.what == what && job.goes_on();
+        if let Some(&(id, _)) = all.kept.iter().find(|(_, job)| same(job)) {
+            return (id, None);
         }
-        let of_file = all.kept.iter().filter(|job| job.file == file);
-        of_file.for_each(|job| job.cancel());
-        if all.kept.len() == KEPT {
-            all.kept.remove(0).cancel();
-        }
-        let job = Arc::new(Job::new(file, what));
-        all.kept.push(Arc::clone(&job));
-        all.begun += 1;
-        (all.begun - 1, Some(job))
+        let of_file = all.kept.iter().filter(|(_, job)| job.file == Some(file));
+        of_file.for_each(|(_, job)| job.cancel());
+        let (id, job) = all.add(Job::new(Some(file), what));
+        (id, Some(job))
+    }
+
+    /// A new job that only its own requests know of: it ends no other, and none ends it.
+    pub fn reserve(&self) -> (usize, Arc<Job>) {
+        self.all().add(Job::nameless())
     }
 
     /// The job of a number, if it is remembered.
     pub fn get(&self, id: usize) -> Option<Arc<Job>> {
         let all = self.all();
-        let first = all.begun - all.kept.len();
-        all.kept.get(id.checked_sub(first)?).cloned()
+        let mut kept = all.kept.iter();
+        kept.find(|known| known.0 == id)
+            .map(|known| Arc::clone(&known.1))
     }
 
     /// Tells all jobs to end.
     pub fn cancel_all(&self) {
-        self.all().kept.iter().for_each(|job| job.cancel());
+        self.all().kept.iter().for_each(|(_, job)| job.cancel());
     }
 }
 
@@ -179,6 +209,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_over_makes_room_for_what_goes_on() {
+        let jobs = Jobs::default();
+        let (levels, job) = jobs.begin(0, "a");
+        for _ in 0..2 * KEPT {
+            jobs.reserve().1.end(Outcome::Done);
+        }
+        assert!(!job.unwrap().cancelled() && jobs.get(levels).is_some());
+        let (id, oldest) = jobs.reserve();
+        for _ in 0..KEPT {
+            jobs.reserve();
+        }
+        assert!(oldest.cancelled() && jobs.get(id).is_none());
+    }
+
+    #[test]
     fn the_same_work_is_done_once_at_a_time() {
         let jobs = Jobs::default();
         let (id, job) = jobs.begin(0, "a");
@@ -200,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_job_tells_how_it_goes() {
-        let job = Job::new(0, "");
+        let job = Job::nameless();
         Progress::report(&job, "levels", 0.5);
         let told = job.report();
         assert_eq!(

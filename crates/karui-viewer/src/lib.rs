@@ -25,6 +25,7 @@ mod job;
 mod levels;
 mod links;
 pub mod live;
+mod measured;
 mod model;
 mod page;
 mod refusal;

@@ -3,10 +3,11 @@
 use crate::file::Origin;
 use crate::levels::LevelSet;
 use crate::live::Prepared;
+use crate::measured::Measured;
 use karui::render::Picture;
-use karui::saliency::Kind;
 use karui::{Scene, geom::Aabb};
 use karui_io::{Error, Loaded};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 
 /// A model that is shown.
@@ -23,16 +24,18 @@ pub struct Model {
     /// Around the scene, world units.
     pub bounds: Aabb,
     levels: RwLock<Arc<LevelSet>>,
+    /// How often levels were put in the place of others.
+    version: AtomicUsize,
     images: OnceLock<Vec<Option<Picture>>>,
-    saliency: Mutex<Vec<Known>>,
+    measured: Mutex<Vec<Known>>,
     /// What live refinement works on.
     pub prepared: Prepared,
 }
 
-/// Saliency that was found before.
+/// What was measured before.
 #[derive(Debug)]
 struct Known {
-    kind: Kind,
+    what: Measured,
     level: usize,
     /// Of these levels and no later ones.
     levels: Arc<LevelSet>,
@@ -56,8 +59,9 @@ impl Model {
             warnings,
             origin,
             levels: RwLock::new(levels),
+            version: AtomicUsize::new(0),
             images: OnceLock::new(),
-            saliency: Mutex::default(),
+            measured: Mutex::default(),
             prepared: Prepared::default(),
         })
     }
@@ -72,6 +76,12 @@ impl Model {
     pub fn set_levels(&self, levels: LevelSet) {
         let mut place = self.levels.write().unwrap_or_else(PoisonError::into_inner);
         *place = Arc::new(levels);
+        self.version.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// A number that is another one whenever the levels are others.
+    pub fn version(&self) -> usize {
+        self.version.load(Ordering::SeqCst)
     }
 
     /// The images, decoded once.
@@ -80,31 +90,31 @@ impl Model {
             .get_or_init(|| karui_io::pictures_of(&self.scene).0)
     }
 
-    /// Saliency of this kind of a level that was found before.
+    /// One value a vertex of every mesh of a level, if it was measured before.
     pub fn known(
         &self,
-        kind: Kind,
+        what: Measured,
         level: usize,
         levels: &Arc<LevelSet>,
     ) -> Option<Arc<Vec<Vec<f32>>>> {
-        let known = self.saliency.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = self.measured.lock().unwrap_or_else(PoisonError::into_inner);
         let same =
-            |k: &&Known| k.kind == kind && k.level == level && Arc::ptr_eq(&k.levels, levels);
+            |k: &&Known| k.what == what && k.level == level && Arc::ptr_eq(&k.levels, levels);
         known.iter().find(same).map(|k| Arc::clone(&k.values))
     }
 
-    /// Keeps saliency that was found; that of levels that are gone is let go.
+    /// Keeps what was measured; that of levels that are gone is let go.
     pub fn learn(
         &self,
-        kind: Kind,
+        what: Measured,
         level: usize,
         levels: &Arc<LevelSet>,
         values: Arc<Vec<Vec<f32>>>,
     ) {
-        let mut known = self.saliency.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.measured.lock().unwrap_or_else(PoisonError::into_inner);
         known.retain(|k| Arc::ptr_eq(&k.levels, levels));
         known.push(Known {
-            kind,
+            what,
             level,
             levels: Arc::clone(levels),
             values,

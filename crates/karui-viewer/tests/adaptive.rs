@@ -1,5 +1,6 @@
 //! A page that follows the deltas has the library's surface, whatever it was sent before.
 
+#[allow(dead_code, reason = "each test file uses a part of it")]
 mod replay;
 
 use glam::Vec3;

@@ -12,6 +12,7 @@ use karui_io::Format;
 use karui_viewer::ViewerOptions;
 use serde_json::json;
 use std::path::PathBuf;
+use std::time::Duration;
 
 fn torus() -> Scene {
     Scene::from_mesh(shapes::torus(2.0, 0.7, 96, 48))
@@ -38,7 +39,7 @@ fn files_are_told_and_sent() {
     let state = viewer.get("api/state").json();
     assert_eq!(
         state["files"],
-        json!([{ "id": 0, "name": "torus.ply", "kind": "model" }])
+        json!([{ "id": 0, "name": "torus.ply", "kind": "model", "version": 0 }])
     );
     let told = viewer.get("api/files/0").json();
     assert_eq!(told["triangles"], 96 * 48 * 2);
@@ -99,6 +100,8 @@ fn levels_are_those_of_the_library() {
             expected.meshes[0].mesh.triangles
         );
     }
+    assert_eq!(told["version"], 1);
+    assert_eq!(viewer.get("api/state").json()["files"][0]["version"], 1);
     let all = read(&viewer.get("api/files/0/lods.glb").body);
     assert_eq!(all.stand_ins().iter().filter(|s| **s).count(), 3);
 }
@@ -153,6 +156,66 @@ fn work_can_be_cancelled_and_leaves_levels_as_they_were() {
     assert_eq!(viewer.ended(job)["state"], "cancelled");
     let told = viewer.get("api/files/0").json();
     assert_eq!(told["levels"].as_array().unwrap().len(), 1);
+}
+
+/// A folder with a surface that takes a while to measure.
+fn large() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.ply");
+    let mesh = shapes::torus(2.0, 0.7, 1200, 600);
+    karui_io::write(&path, &Scene::from_mesh(mesh)).unwrap();
+    (folder, path)
+}
+
+const EYE: &str = "eye=0,3,9&target=0,0,0&up=0,1,0&fov=0.7&width=1600&height=1200";
+
+#[test]
+fn maps_can_be_cancelled() {
+    let (_folder, path) = large();
+    let viewer = Running::of(&[path]);
+    for map in ["heat/mesh.glb?level=0", &format!("flip.png?level=0&{EYE}")] {
+        let begun = viewer.send("POST", "api/jobs", &[]);
+        assert_eq!(begun.status, 201, "{begun:?}");
+        let job = begun.json()["job"].as_u64().unwrap();
+        let answer = std::thread::scope(|scope| {
+            let asked = scope.spawn(|| viewer.get(&format!("api/files/0/{map}&job={job}")));
+            while viewer.get(&format!("api/jobs/{job}")).json()["stage"] == "waiting" {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            viewer.send("DELETE", &format!("api/jobs/{job}"), &[]);
+            asked.join().unwrap()
+        });
+        assert_eq!(
+            (answer.status, answer.error().contains("cancelled")),
+            (409, true),
+            "{map}"
+        );
+        assert_eq!(viewer.ended(job)["state"], "cancelled", "{map}");
+    }
+    assert_eq!(viewer.get("api/files/0/heat/mesh.glb?job=99").status, 404);
+}
+
+#[test]
+fn maps_that_nobody_waits_for_end() {
+    let (_folder, path) = large();
+    let viewer = Running::of(&[path]);
+    let job = viewer.send("POST", "api/jobs", &[]).json()["job"]
+        .as_u64()
+        .unwrap();
+    let asked = viewer.begin("GET", &format!("api/files/0/heat/mesh.glb?job={job}"));
+    let report = || viewer.get(&format!("api/jobs/{job}")).json();
+    while report()["stage"] == "waiting" {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    drop(asked);
+    assert_eq!(viewer.ended(job)["state"], "cancelled");
+    // Nothing was kept of it, and nothing is in the way of the next one.
+    let job = viewer.send("POST", "api/jobs", &[]).json()["job"]
+        .as_u64()
+        .unwrap();
+    let glb = viewer.get(&format!("api/files/0/heat/curvature.glb?job={job}"));
+    assert_eq!(read(&glb.body).triangle_count(), 1200 * 600 * 2);
+    assert_eq!(viewer.ended(job)["state"], "done");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A page that follows the deltas has the library's cut, whatever it was sent before.
 
+#[allow(dead_code, reason = "each test file uses a part of it")]
 mod replay;
 
 use glam::Vec3;
@@ -163,6 +164,7 @@ fn clusters_are_the_librarys_cut_along_a_path() {
             };
             let cut = dag.cut(&view).expect("cuts");
             assert_eq!(session.cut(), cut.clusters());
+            assert_eq!(page.cut(), cut.clusters());
             assert!(page.triangles() == corners(&mesh, cut.triangles()), "{seq}");
         }
     }

@@ -1,6 +1,7 @@
 //! Live refinement over a real socket: the library's cut arrives, the latest camera wins,
 //! nonsense is answered, strangers are not.
 
+#[allow(dead_code, reason = "each test file uses a part of it")]
 mod replay;
 
 use karui::Scene;
@@ -269,10 +270,21 @@ fn too_many_pages_are_told_so() {
     let open = || server.open("files/0/live?kind=clusters", None);
     let mut all: Vec<Socket> = (0..16).map(|_| open().expect("opens")).collect();
     all.iter_mut().for_each(|s| drop(s.ready()));
-    assert!(matches!(open(), Err(Error::Http(r)) if r.status() == 503));
+    let mut refused = open().expect("opens, to be told");
+    let told = refused.next().expect_err("text");
+    assert_eq!(told["fatal"], true);
+    assert!(told["error"].as_str().expect("why").contains("16 pages"));
+    match refused.0.read() {
+        Ok(Message::Close(Some(last))) => assert_eq!(u16::from(last.code), 1013),
+        other => panic!("{other:?}"),
+    }
     drop(all);
     let end = Instant::now() + Duration::from_secs(20);
-    while open().is_err() {
+    let is_open = || {
+        let told = open().expect("opens").next().expect_err("text");
+        told.get("ready").is_some()
+    };
+    while !is_open() {
         assert!(Instant::now() < end, "places become free again");
         std::thread::sleep(Duration::from_millis(20));
     }

@@ -1,76 +1,52 @@
-//! How long a camera waits for its delta: `live_latency MODEL [FRAMES]`.
+//! How long a camera waits for its delta: `live_latency MODEL [FRAMES] [--socket]`.
 //!
 //! Once around the model, once more while the eye comes closer and goes away again, and once
 //! with the light moving along; 1280 x 720 pixels. The time is from the text of a message to
-//! the bytes of its answer. The first answer, which holds a whole cut, is told apart.
+//! the bytes of its answer, with `--socket` from before it is sent to a running viewer until
+//! the last byte of the answer has come. The first answer, which holds a whole cut, is told
+//! apart.
 
 #![expect(clippy::print_stdout, reason = "it is what this is for")]
 
-use karui::geom::{Aabb, Camera, Projection, Vec3, turntable_directions};
+mod socket;
+mod ways;
+
+use karui::geom::Aabb;
 use karui::hierarchy::cluster::{ClusterDag, ClusterDagOptions};
 use karui::hierarchy::{Hierarchy, HierarchyOptions};
 use karui_viewer::live::{ClusterSession, Geometry, HalfEdgeSession, Session};
 use serde_json::{Value, json};
+use socket::Server;
 use std::error::Error;
 use std::time::Instant;
+use ways::WAYS;
 
-/// A way around a model.
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    name: &'static str,
-    /// How close the eye comes, as a factor to the distance at which all is seen.
-    closest: f32,
-    /// Whether the light goes along.
-    lit: bool,
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// What is asked for: a line's name, options and budget.
+type Case = (&'static str, Value, Value);
+
+fn half_edges() -> [Case; 3] {
+    let page = json!({
+        "area": 100.0, "silhouette": 25.0, "light_silhouette": 25.0,
+        "highlight": 15.0, "highlight_area": 25.0,
+    });
+    let budget = json!({ "triangles": 100_000 });
+    [
+        ("half-edges", page.clone(), json!({})),
+        ("half-edges, library's defaults", json!({}), json!({})),
+        ("half-edges, at most 100,000", page, budget),
+    ]
 }
 
-const WAYS: [Way; 3] = [
-    Way {
-        name: "around",
-        closest: 1.0,
-        lit: false,
-    },
-    Way {
-        name: "closer and away",
-        closest: 0.3,
-        lit: false,
-    },
-    Way {
-        name: "around, with the light",
-        closest: 1.0,
-        lit: true,
-    },
-];
-
-impl Way {
-    /// Camera messages along it.
-    fn messages(&self, bounds: Aabb, frames: u32, options: &Value, budget: &Value) -> Vec<String> {
-        let directions = turntable_directions(frames, 0.3);
-        let still = bounds.center() + Vec3::new(-0.6, 0.7, 0.8) * bounds.diagonal() as f32;
-        let message = |(seq, direction): (u32, Vec3)| {
-            let mut camera = Camera::looking_at(bounds, direction, 30f32.to_radians());
-            let turn = std::f32::consts::TAU * seq as f32 / frames as f32;
-            let share = 0.5 * (1.0 - self.closest) * (1.0 - turn.cos());
-            camera.eye -= (camera.eye - camera.target) * share;
-            let along = camera.eye + camera.up * bounds.diagonal() as f32;
-            let light = if self.lit { along } else { still };
-            let Projection::Perspective { fov_y } = camera.projection else {
-                unreachable!("looking_at has a perspective");
-            };
-            json!({
-                "seq": seq, "size": [1280, 720], "options": options, "budget": budget,
-                "frame": {
-                    "camera": {
-                        "eye": camera.eye.to_array(), "target": camera.target.to_array(),
-                        "fov": fov_y.to_degrees(),
-                    },
-                    "lights": [{ "type": "point", "position": light.to_array() }],
-                },
-            })
-            .to_string()
-        };
-        (1u32..).zip(directions).map(message).collect()
-    }
+fn clusters() -> [Case; 3] {
+    let (light, fine) = (json!({ "light_factor": 0.5 }), json!({ "threshold": 0.25 }));
+    let budget = json!({ "triangles": 100_000 });
+    [
+        ("clusters", json!({ "threshold": 1.0 }), json!({})),
+        ("clusters, half the error in light", light, json!({})),
+        ("clusters, at most 100,000", fine, budget),
+    ]
 }
 
 /// The value that a share of all does not exceed.
@@ -81,11 +57,15 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 }
 
 /// Sends all messages and prints a line.
-fn walk(name: &str, messages: &[String], mut session: impl Session) -> Result<(), Box<dyn Error>> {
+fn walk(
+    name: &str,
+    messages: &[String],
+    mut answer: impl FnMut(&str) -> Result<Vec<u8>>,
+) -> Result<()> {
     let (mut times, mut sizes, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for message in messages {
         let started = Instant::now();
-        let frame = session.answer(message)?;
+        let frame = answer(message)?;
         times.push(started.elapsed().as_secs_f64() * 1e3);
         sizes.push(frame.len() as f64 / 1e3);
         triangles.push(f64::from(u32::from_le_bytes(frame[36..40].try_into()?)));
@@ -103,13 +83,25 @@ fn walk(name: &str, messages: &[String], mut session: impl Session) -> Result<()
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let model = arguments
-        .next()
-        .ok_or("usage: live_latency MODEL [FRAMES]")?;
-    let frames = arguments.next().map_or(Ok(600), |n| n.parse())?;
-    let mesh = karui_io::read(&model)?.into_single_mesh()?;
+/// All ways of all cases; `open` begins a session that knows nothing yet.
+fn walk_all<A: FnMut(&str) -> Result<Vec<u8>>>(
+    cases: [Case; 3],
+    bounds: Aabb,
+    frames: u32,
+    open: impl Fn() -> Result<A>,
+) -> Result<()> {
+    for (name, options, budget) in cases {
+        for way in WAYS {
+            let messages = way.messages(bounds, frames, &options, &budget);
+            walk(&format!("{name}, {}", way.name), &messages, open()?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Messages answered by a session in this thread.
+fn called(model: &str, frames: u32) -> Result<()> {
+    let mesh = karui_io::read(model)?.into_single_mesh()?;
     let geometry = Geometry::of(&mesh)?;
     let started = Instant::now();
     let options = HierarchyOptions {
@@ -126,45 +118,51 @@ fn main() -> Result<(), Box<dyn Error>> {
         both - built,
     );
     let bounds = geometry.bounds();
-    let page = json!({
-        "area": 100.0, "silhouette": 25.0, "light_silhouette": 25.0,
-        "highlight": 15.0, "highlight_area": 25.0,
-    });
-    let half_edges = [
-        ("half-edges", page.clone(), json!({})),
-        ("half-edges, library's defaults", json!({}), json!({})),
-        (
-            "half-edges, at most 100,000",
-            page,
-            json!({ "triangles": 100_000 }),
-        ),
-    ];
-    for (name, options, budget) in half_edges {
-        for way in WAYS {
-            let messages = way.messages(bounds, frames, &options, &budget);
-            let session = HalfEdgeSession::new(&geometry, &hierarchy)?;
-            walk(&format!("{name}, {}", way.name), &messages, session)?;
-        }
-    }
-    let clusters = [
-        ("clusters", json!({ "threshold": 1.0 }), json!({})),
-        (
-            "clusters, half the error in light",
-            json!({ "light_factor": 0.5 }),
-            json!({}),
-        ),
-        (
-            "clusters, at most 100,000",
-            json!({ "threshold": 0.25 }),
-            json!({ "triangles": 100_000 }),
-        ),
-    ];
-    for (name, options, budget) in clusters {
-        for way in WAYS {
-            let messages = way.messages(bounds, frames, &options, &budget);
-            let session = ClusterSession::new(&geometry, &dag)?;
-            walk(&format!("{name}, {}", way.name), &messages, session)?;
-        }
+    walk_all(half_edges(), bounds, frames, || {
+        let mut session = HalfEdgeSession::new(&geometry, &hierarchy)?;
+        Ok(move |message: &str| Ok(session.answer(message)?))
+    })?;
+    walk_all(clusters(), bounds, frames, || {
+        let mut session = ClusterSession::new(&geometry, &dag)?;
+        Ok(move |message: &str| Ok(session.answer(message)?))
+    })
+}
+
+/// Messages sent to a viewer that runs.
+fn sent(model: &str, frames: u32) -> Result<()> {
+    let bounds = karui_io::read(model)?.into_single_mesh()?.bounds();
+    let server = Server::start(model)?;
+    for (kind, cases) in [("half-edge", half_edges()), ("clusters", clusters())] {
+        let (_, ready) = server.open(kind)?;
+        println!(
+            "{model}: {} triangles over a socket, {kind}: ready after {:.1} s; once around in {frames} frames",
+            ready["triangles"],
+            ready["seconds"].as_f64().unwrap_or_default(),
+        );
+        walk_all(cases, bounds, frames, || {
+            let (mut page, _) = server.open(kind)?;
+            Ok(move |message: &str| page.answer(message))
+        })?;
     }
     Ok(())
+}
+
+fn main() -> Result<()> {
+    let (flags, plain): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|a| a.starts_with("--"));
+    let usage = "usage: live_latency MODEL [FRAMES] [--socket]";
+    let over_socket = match flags.as_slice() {
+        [] => false,
+        [flag] if flag == "--socket" => true,
+        _ => return Err(usage.into()),
+    };
+    let (model, frames) = match plain.as_slice() {
+        [model] => (model, 600),
+        [model, frames] => (model, frames.parse()?),
+        _ => return Err(usage.into()),
+    };
+    match over_socket {
+        true => sent(model, frames),
+        false => called(model, frames),
+    }
 }

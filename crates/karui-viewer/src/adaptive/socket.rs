@@ -25,7 +25,7 @@ pub async fn adaptive(
 ) -> Result<Response, Refusal> {
     let file = shared.file(id)?;
     file.model()?;
-    open(&shared, socket, move |desk| smooth(&file, desk))
+    Ok(open(&shared, socket, move |desk| smooth(&file, desk)))
 }
 
 fn smooth(file: &File, desk: &Desk) -> Result<(), Refusal> {

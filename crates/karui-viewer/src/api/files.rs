@@ -19,11 +19,13 @@ use std::sync::Arc;
 pub async fn state(State(shared): State<Arc<Shared>>) -> Json<Value> {
     let files = shared.files();
     let line = |(id, file): (usize, &Arc<File>)| {
-        let kind = match &file.content {
-            Content::Model(_) => "model",
-            Content::Tileset(_) => "tileset",
-        };
-        json!({ "id": id, "name": file.name, "kind": kind })
+        let name = &file.name;
+        match &file.content {
+            Content::Model(model) => {
+                json!({ "id": id, "name": name, "kind": "model", "version": model.version() })
+            }
+            Content::Tileset(_) => json!({ "id": id, "name": name, "kind": "tileset" }),
+        }
     };
     let files: Vec<Value> = files.iter().enumerate().map(line).collect();
     Json(json!({
@@ -73,6 +75,8 @@ pub struct OfModel {
     up: &'static str,
     attributes: BTreeSet<String>,
     warnings: Vec<String>,
+    /// Another number whenever the levels are others.
+    version: usize,
     levels: Vec<Row>,
     can: Can,
 }
@@ -107,6 +111,8 @@ pub struct OfTileset {
 
 fn of_model(id: usize, name: String, model: &Model) -> OfModel {
     let scene = &*model.scene;
+    // Before the levels: what is newer than its number is fetched once more.
+    let version = model.version();
     let levels = model.levels();
     let is_gltf = name.ends_with(".glb") || name.ends_with(".gltf");
     let mut heat: Vec<_> = Kind::ALL.map(Kind::name).to_vec();
@@ -129,6 +135,7 @@ fn of_model(id: usize, name: String, model: &Model) -> OfModel {
         up: "y",
         attributes: attributes(scene),
         warnings: model.warnings.clone(),
+        version,
         levels: levels.rows.clone(),
         can: Can {
             live: true,

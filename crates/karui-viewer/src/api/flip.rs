@@ -1,8 +1,10 @@
 //! Where a level looks different from the original.
 
+use super::jobs::under;
 use super::level::no_level;
+use crate::job::Job;
 use crate::model::Model;
-use crate::refusal::{Refusal, aside};
+use crate::refusal::Refusal;
 use crate::shared::Shared;
 use axum::extract::{Path, Query, State};
 use axum::http::HeaderName;
@@ -11,6 +13,7 @@ use axum::response::IntoResponse;
 use karui::Scene;
 use karui::geom::{Camera, Light, Projection, Vec3};
 use karui::metrics::image::{PIXELS_PER_DEGREE, flip as difference};
+use karui::progress::step;
 use karui::render::{Model as Drawn, Outputs, Picture, RenderOptions, Renderer};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -31,6 +34,7 @@ pub struct Asked {
     fov: f32,
     width: u32,
     height: u32,
+    job: Option<usize>,
 }
 
 /// `GET api/files/N/flip.png`: FLIP of level and original at every pixel, its mean in the
@@ -41,8 +45,9 @@ pub async fn flip(
     Query(asked): Query<Asked>,
 ) -> Result<impl IntoResponse, Refusal> {
     let file = shared.file(id)?;
-    let camera = asked.camera()?;
-    let (mean, png) = aside(move || picture(file.model()?, &asked, &camera)).await?;
+    let (camera, number) = (asked.camera()?, asked.job);
+    let work = move |job: &Job| picture(file.model()?, &asked, &camera, job);
+    let (mean, png) = under(&shared, number, work).await?;
     let mean = (HeaderName::from_static("x-karui-flip"), mean.to_string());
     let kind = (CONTENT_TYPE, "image/png".to_owned());
     Ok(([kind, mean], png))
@@ -74,7 +79,13 @@ fn vector(text: &str) -> Result<Vec3, Refusal> {
     }
 }
 
-fn picture(model: &Model, asked: &Asked, camera: &Camera) -> Result<(f64, Vec<u8>), Refusal> {
+fn picture(
+    model: &Model,
+    asked: &Asked,
+    camera: &Camera,
+    job: &Job,
+) -> Result<(f64, Vec<u8>), Refusal> {
+    step(job, "pictures", 0.0)?;
     let scene = model.levels().scene(&model.scene, asked.level);
     let level = scene.ok_or_else(|| no_level(&asked.level.to_string()))?;
     let options = RenderOptions {
@@ -85,12 +96,17 @@ fn picture(model: &Model, asked: &Asked, camera: &Camera) -> Result<(f64, Vec<u8
         background: BACKGROUND,
         ..RenderOptions::default()
     };
-    let of = |scene: &Scene| -> Result<Picture, Refusal> {
+    let of = |scene: &Scene, from: f32| -> Result<Picture, Refusal> {
         let drawn = Drawn::of_scene(scene, model.images());
         let lights = Light::three_points(camera)?;
-        let frame = Renderer::of_model(&drawn)?.frame(camera, &lights, &options)?;
+        let renderer = Renderer::of_model(&drawn)?;
+        step(job, "pictures", from + 0.2)?;
+        let frame = renderer.frame(camera, &lights, &options)?;
+        step(job, "pictures", from + 0.4)?;
         Ok(frame.color)
     };
-    let found = difference(&of(&model.scene)?, &of(&level)?, PIXELS_PER_DEGREE)?;
+    let (original, level) = (of(&model.scene, 0.0)?, of(&level, 0.4)?);
+    let found = difference(&original, &level, PIXELS_PER_DEGREE)?;
+    step(job, "pictures", 1.0)?;
     Ok((found.mean, karui_io::encode_png(&found.picture()?)?))
 }

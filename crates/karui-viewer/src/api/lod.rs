@@ -1,6 +1,6 @@
 //! Making levels of detail: the work of `karui lod`, asked for by the page.
 
-use crate::job::{Job, Outcome};
+use crate::job::Job;
 use crate::levels::LevelSet;
 use crate::model::Model;
 use crate::refusal::Refusal;
@@ -97,11 +97,7 @@ pub async fn make(
             model.set_levels(levels);
             Ok(())
         });
-        job.end(match made {
-            Ok(()) => Outcome::Done,
-            Err(_) if karui::Progress::cancelled(&*job) => Outcome::Cancelled,
-            Err(refusal) => Outcome::Failed(refusal.message().to_owned()),
-        });
+        job.end_with(&made);
     });
     Ok(accepted)
 }

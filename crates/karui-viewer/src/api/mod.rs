@@ -48,6 +48,7 @@ pub fn router(shared: Arc<Shared>) -> Router {
             get(crate::adaptive::adaptive),
         )
         .route(&at("/api/files/{id}/tiles/{*name}"), get(tiles::file))
+        .route(&at("/api/jobs"), post(jobs::reserve))
         .route(
             &at("/api/jobs/{id}"),
             get(jobs::report).delete(jobs::cancel),

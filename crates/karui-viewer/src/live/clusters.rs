@@ -207,6 +207,7 @@ impl<'a> ClusterSession<'a> {
         self.sent += 1;
         frame.definitions += 1;
         let (vertices, corners) = (self.dag.vertices_of(cluster), self.dag.corners_of(cluster));
+        frame.number(cluster);
         frame.number(u32::from(self.dag.clusters()[cluster as usize].level));
         frame.number(vertices.len() as u32);
         frame.number(corners.len() as u32);

@@ -5,9 +5,8 @@ use super::{ClusterSession, Geometry, HalfEdgeSession, Session};
 use crate::file::File;
 use crate::refusal::Refusal;
 use crate::shared::Shared;
-use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::extract::{Path, Query, State};
-use axum::http::StatusCode;
 use axum::response::Response;
 use karui::geom::Aabb;
 use serde::Deserialize;
@@ -49,23 +48,38 @@ pub async fn live(
 ) -> Result<Response, Refusal> {
     let file = shared.file(id)?;
     file.model()?;
-    open(&shared, socket, move |desk| refine(&file, kind, desk))
+    Ok(open(&shared, socket, move |desk| refine(&file, kind, desk)))
 }
 
 /// Opens a socket that `work` answers, in a thread of its own. What it returns is told to the
-/// page.
+/// page, as is that there is no place for it.
 pub(crate) fn open(
     shared: &Shared,
     socket: WebSocketUpgrade,
     work: impl FnOnce(&Desk) -> Result<(), Refusal> + Send + 'static,
-) -> Result<Response, Refusal> {
-    let permit = Arc::clone(&shared.sessions).try_acquire_owned();
-    let permit = permit.map_err(|_| {
-        let message = format!("{MAX_SESSIONS} pages are refined for already; close one");
-        Refusal::new(StatusCode::SERVICE_UNAVAILABLE, message)
-    })?;
+) -> Response {
     let socket = socket.max_message_size(MAX_MESSAGE);
-    Ok(socket.on_upgrade(|socket| converse(socket, work, permit)))
+    let permit = Arc::clone(&shared.sessions).try_acquire_owned();
+    match permit {
+        Ok(permit) => socket.on_upgrade(|socket| converse(socket, work, permit)),
+        Err(_) => socket.on_upgrade(turn_away),
+    }
+}
+
+/// Browsers keep from a page why a socket was not opened, so it is opened to be told.
+async fn turn_away(mut socket: WebSocket) {
+    let message = format!(
+        "Karui refines for {MAX_SESSIONS} pages already. Close one of them and reload this page."
+    );
+    let told = json!({ "error": message, "fatal": true }).to_string();
+    let close = CloseFrame {
+        code: close_code::AGAIN,
+        reason: "too many pages".into(),
+    };
+    for last in [Message::Text(told.into()), Message::Close(Some(close))] {
+        // That it cannot be sent means that the page has gone.
+        let _gone = socket.send(last).await;
+    }
 }
 
 /// Tells the thread that the page has gone, whatever ends the conversation.

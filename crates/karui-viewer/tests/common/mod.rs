@@ -99,12 +99,24 @@ impl Running {
 
     /// A request to `path` below the token.
     pub fn send(&self, method: &str, path: &str, body: &[u8]) -> Answer {
-        let (root, port, length) = (&self.root, self.port, body.len());
-        let head = format!(
+        let head = self.head(method, path, body.len());
+        self.raw(&[head.as_bytes(), body].concat())
+    }
+
+    /// Sends a request without a body, whose answer nobody has waited for yet.
+    pub fn begin(&self, method: &str, path: &str) -> TcpStream {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a server");
+        let head = self.head(method, path, 0);
+        stream.write_all(head.as_bytes()).expect("sends");
+        stream
+    }
+
+    fn head(&self, method: &str, path: &str, length: usize) -> String {
+        let (root, port) = (&self.root, self.port);
+        format!(
             "{method} {root}/{path} HTTP/1.1\r\nhost: 127.0.0.1:{port}\r\nconnection: close\r\n\
              content-type: application/json\r\ncontent-length: {length}\r\n\r\n"
-        );
-        self.raw(&[head.as_bytes(), body].concat())
+        )
     }
 
     /// `GET`.

@@ -10,9 +10,17 @@ pub type Corners = [[u32; 3]; 3];
 #[derive(Debug, Default)]
 pub struct Page {
     pub vertices: Vec<[u32; 3]>,
-    clusters: Vec<Vec<[u32; 3]>>,
+    clusters: Vec<Cluster>,
     slots: Vec<Vec<u32>>,
     kind: u32,
+}
+
+/// A cluster as it was defined.
+#[derive(Debug)]
+struct Cluster {
+    /// Number in the graph.
+    number: u32,
+    triangles: Vec<[u32; 3]>,
 }
 
 struct Reader<'a> {
@@ -86,7 +94,7 @@ impl Page {
     }
 
     fn define(&mut self, reader: &mut Reader<'_>) {
-        let [_level, vertices, triangles] = [(); 3].map(|()| reader.number());
+        let [number, _level, vertices, triangles] = [(); 4].map(|()| reader.number());
         let mut last = 0;
         let mut next = || {
             last = reader.step(last);
@@ -95,7 +103,8 @@ impl Page {
         let numbers: Vec<u32> = (0..vertices).map(|_| next()).collect();
         let corners = reader.take(3 * triangles as usize).chunks_exact(3);
         let triangle = |t: &[u8]| [0, 1, 2].map(|k| numbers[usize::from(t[k])]);
-        self.clusters.push(corners.map(triangle).collect());
+        let triangles = corners.map(triangle).collect();
+        self.clusters.push(Cluster { number, triangles });
     }
 
     fn place(&mut self, frame: &[u8], reader: &mut Reader<'_>) {
@@ -119,6 +128,14 @@ impl Page {
         }
     }
 
+    /// Numbers of the clusters on the screen, in ascending order.
+    pub fn cut(&self) -> Vec<u32> {
+        let number = |slot: &Vec<u32>| self.clusters[slot[0] as usize].number;
+        let mut all: Vec<u32> = self.slots.iter().map(number).collect();
+        all.sort_unstable();
+        all
+    }
+
     /// The triangles on the screen, in ascending order.
     pub fn triangles(&self) -> Vec<Corners> {
         let mut all = Vec::new();
@@ -130,7 +147,7 @@ impl Page {
                     // The last two are the same in a triangle.
                     all.extend((c != d).then_some([a, c, d]));
                 }
-                [cluster] => all.extend(&self.clusters[cluster as usize]),
+                [cluster] => all.extend(&self.clusters[cluster as usize].triangles),
                 _ => panic!("a slot that nothing was put into"),
             }
         }

@@ -32,6 +32,8 @@ export interface ModelSummary {
   up: string;
   attributes: string[];
   warnings: string[];
+  /** Another number whenever the levels are others. */
+  version: number;
   levels: Level[];
   can: { live: boolean; clusters: boolean; subdivide: boolean; heat: string[] };
 }
@@ -50,7 +52,7 @@ export type Summary = ModelSummary | TilesetSummary;
 export interface ServerState {
   version: string;
   limits: { upload_bytes: number };
-  files: { id: number; name: string; kind: Summary['kind'] }[];
+  files: { id: number; name: string; kind: Summary['kind']; version?: number }[];
 }
 
 export interface JobReport {
@@ -115,9 +117,34 @@ export const legend = (id: number, kind: string, level: number): Promise<Legend>
 /** A GLB, or any other bytes. */
 export const buffer = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
 
+/** Work of the server that is waited for: it is broken off with its signal, and when the page goes. */
+export interface Wait {
+  signal: AbortSignal;
+  /** Told how far the work is, a few times a second. */
+  tell(report: JobReport): void;
+}
+
+/** Time between two looks at the work, ms. */
+const LOOK_EVERY = 200;
+
+/** What `path` answers once the work for it is done. */
+async function worked(path: string, { signal, tell }: Wait): Promise<Response> {
+  const { job: number } = await json<{ job: number }>('jobs', { method: 'POST', signal });
+  const look = () => job(number).then((report) => signal.aborted || tell(report), () => undefined);
+  const timer = setInterval(() => void look(), LOOK_EVERY);
+  try {
+    return await ask(`${path}&job=${number}`, { signal });
+  } finally {
+    clearInterval(timer);
+  }
+}
+
+/** A GLB of a heat map. */
+export const heat = async (path: string, wait: Wait): Promise<ArrayBuffer> => (await worked(path, wait)).arrayBuffer();
+
 /** A picture and the mean that comes with it. */
-export async function flip(id: number, query: URLSearchParams, signal: AbortSignal): Promise<{ picture: Blob; mean: number }> {
-  const response = await ask(`files/${id}/flip.png?${query}`, { signal });
+export async function flip(id: number, query: URLSearchParams, wait: Wait): Promise<{ picture: Blob; mean: number }> {
+  const response = await worked(`files/${id}/flip.png?${query}`, wait);
   return { picture: await response.blob(), mean: Number(response.headers.get('x-karui-flip')) };
 }
 

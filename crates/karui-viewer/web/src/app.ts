@@ -11,6 +11,9 @@ import { expose } from './probe';
 import type { State, Store, Tab } from './state';
 import { Stage } from './view/stage';
 
+/** Time between two looks at what other pages have done, ms. */
+const LOOK_EVERY = 2000;
+
 export class App implements Host {
   readonly root: HTMLElement;
   readonly stage: Stage;
@@ -24,6 +27,7 @@ export class App implements Host {
   private mode: Mode | undefined;
   private file: api.Summary | undefined;
   private entering = 0;
+  private looking = false;
 
   constructor(readonly store: Store) {
     const place = h('main', { class: 'stage' }, this.overlay, this.toasts.element);
@@ -39,6 +43,7 @@ export class App implements Host {
   /** Shows what the address asks for, of the files there are. */
   async start(state: api.ServerState): Promise<void> {
     this.list(state);
+    setInterval(() => void this.look(), LOOK_EVERY);
     if (state.files.length === 0) return this.say('Drop a model on this page.');
     const { file } = this.store.state;
     if (!state.files.some((f) => f.id === file)) this.store.set({ file: state.files[0]!.id });
@@ -85,6 +90,22 @@ export class App implements Host {
     const open = h('button', { type: 'button', title: 'Open a model; or drop it on the page', onclick: () => input.click() }, 'Open');
     const sheet = h('button', { type: 'button', class: 'only-small', 'aria-expanded': 'false', onclick: () => this.toggle(sheet) }, 'Controls');
     return h('header', { class: 'bar' }, h('h1', {}, 'Karui'), this.files, this.tabs, h('span', { class: 'space' }), open, input, copy, help, sheet);
+  }
+
+  /** Levels and files of other pages of this server. */
+  private async look(): Promise<void> {
+    if (document.hidden || this.looking) return;
+    this.looking = true;
+    try {
+      const state = await api.state();
+      if (state.files.length !== this.files.options.length) this.list(state);
+      const version = state.files[this.file?.id ?? -1]?.version;
+      if (version !== undefined) await this.mode?.refresh?.(version);
+    } catch {
+      // Whoever asks for something is told that there is no answer.
+    } finally {
+      this.looking = false;
+    }
   }
 
   private toggle(button: HTMLElement): void {

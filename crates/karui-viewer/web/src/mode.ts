@@ -28,6 +28,8 @@ export interface Mode {
   accepts(file: Summary): boolean;
   /** Shows the file. What it throws is told to the user. */
   enter(host: Host, file: Summary): Promise<void>;
+  /** The file's levels are of this version now, whoever has made them. */
+  refresh?(version: number): Promise<void>;
   /** Lets go of all it has. */
   leave(): void;
   /** A key that no field wants; whether it meant something. */

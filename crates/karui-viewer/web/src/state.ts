@@ -23,6 +23,12 @@ export interface State {
   wire: boolean;
   /** Kind of heat map, or none. */
   heat: string;
+  /** Options of live refinement that are not as usual, `name:value,name:value` (`options.ts`). */
+  live: string;
+  /** The same of subdivision. */
+  adaptive: string;
+  /** The same of 3D Tiles. */
+  tiles: string;
   /** Eye and target, model units; empty for where the model is seen whole. */
   camera: number[];
 }
@@ -40,6 +46,9 @@ export const DEFAULTS: Readonly<State> = {
   flat: false,
   wire: false,
   heat: '',
+  live: '',
+  adaptive: '',
+  tiles: '',
   camera: [],
 };
 
@@ -83,7 +92,7 @@ export function toHash(state: State): string {
     const text = written(state[key]);
     if (text !== written(DEFAULTS[key])) query.set(key, text);
   }
-  const text = query.toString().replaceAll('%2C', ',');
+  const text = query.toString().replaceAll('%2C', ',').replaceAll('%3A', ':');
   return text && `#${text}`;
 }
 

@@ -2,12 +2,13 @@
 
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
 import type { Summary } from '../api';
-import { check, field, h } from '../dom';
 import { bytes, count, number } from '../format';
-import { Facts, part, slider } from '../live/controls';
+import { Facts, part } from '../live/controls';
+import { LAMP, lampControls } from '../live/lamp';
 import type { Ready } from '../live/link';
 import { type Asker, type Numbers, quantile, Watch } from '../live/watch';
 import type { Host, Mode } from '../mode';
+import { type About, Options } from '../options';
 
 const SCHEMES = [
   ['adaptive', 'Adaptive (√2 steps)'],
@@ -26,6 +27,33 @@ const RULES = {
 
 const NAMES = { boundary: 'Boundary', creases: 'Creases', triangles: 'Triangles' };
 
+const defaults = {
+  scheme: 'adaptive',
+  pixels: 1,
+  levels: 2,
+  two_sided: false,
+  boundary: '',
+  creases: '',
+  triangles: '',
+  ...LAMP,
+  outside: false,
+  cage: true,
+  wire: true,
+  flat: false,
+};
+
+type SubdivOptions = typeof defaults;
+
+const first = (words: readonly (readonly [string, string])[]): string[] => words.map(([word]) => word);
+
+const ABOUT: About<SubdivOptions> = {
+  defaults,
+  words: { scheme: first(SCHEMES), boundary: first(RULES.boundary), creases: first(RULES.creases), triangles: first(RULES.triangles) },
+};
+
+/** Options that change what is drawn, but not what is asked for. */
+const LOOKS: ReadonlySet<keyof SubdivOptions> = new Set(['cage', 'wire', 'flat'] as const);
+
 class AdaptiveMode implements Mode, Asker {
   readonly tab = 'adaptive';
   readonly label = 'Subdivide';
@@ -33,12 +61,7 @@ class AdaptiveMode implements Mode, Asker {
   private host: Host | null = null;
   private watch: Watch | null = null;
   private cage: LineSegments | null = null;
-  private scheme = 'adaptive';
-  private pixels = 1;
-  private levels = 2;
-  private readonly rules: Record<keyof typeof RULES, string> = { boundary: '', creases: '', triangles: '' };
-  private twoSided = false;
-  private readonly shown = { outside: false, cage: true, wire: true, flat: false };
+  private options: Options<SubdivOptions> | null = null;
   private readonly facts = new Facts();
 
   accepts(file: Summary): boolean {
@@ -49,6 +72,7 @@ class AdaptiveMode implements Mode, Asker {
     this.host = host;
     this.facts.clear();
     Object.assign(window.karui, { ready: false });
+    this.options = new Options(host.store, 'adaptive', ABOUT, (names) => this.follow(names));
     this.watch = new Watch(host, `files/${file.id}/adaptive`, this);
     this.draw();
   }
@@ -56,25 +80,22 @@ class AdaptiveMode implements Mode, Asker {
   leave(): void {
     this.watch?.close();
     this.cage?.geometry.dispose();
-    this.watch = this.cage = this.host = null;
+    this.options?.close();
+    this.watch = this.cage = this.host = this.options = null;
   }
 
   key(event: KeyboardEvent): boolean {
-    if (event.key === 'o') this.shown.outside = !this.shown.outside;
-    else if (event.key === 'c') this.shown.cage = !this.shown.cage;
+    if (event.key === 'o') this.options?.set({ outside: !this.values.outside });
+    else if (event.key === 'c') this.options?.set({ cage: !this.values.cage });
     else return false;
-    this.show();
-    this.draw();
     return true;
   }
 
   ask(): object {
-    const how =
-      this.scheme === 'adaptive'
-        ? { scheme: 'adaptive', pixels: this.pixels, two_sided: this.twoSided }
-        : { scheme: this.scheme, levels: this.levels };
-    const given = Object.entries(this.rules).filter(([, rule]) => rule);
-    return { options: { how, ...Object.fromEntries(given) } };
+    const { scheme, pixels, levels, two_sided } = this.values;
+    const how = scheme === 'adaptive' ? { scheme, pixels, two_sided } : { scheme, levels };
+    const rules = (Object.keys(RULES) as (keyof typeof RULES)[]).map((name) => [name, this.values[name]]);
+    return { options: { how, ...Object.fromEntries(rules.filter(([, rule]) => rule)) } };
   }
 
   ready({ cage, faces }: Ready): void {
@@ -91,7 +112,14 @@ class AdaptiveMode implements Mode, Asker {
     watch.edges(sides);
     this.facts.set('Cage', `${count(faces ?? 0)} faces`);
     Object.assign(window.karui, { adaptive: this.tests(watch) });
+    this.light();
     this.show();
+    watch.look(this.values.outside);
+  }
+
+  lampMoved(): void {
+    const { watch } = this;
+    if (watch?.lamp) this.options?.set(watch.lamp.place());
   }
 
   progress(message: string): void {
@@ -114,81 +142,58 @@ class AdaptiveMode implements Mode, Asker {
       numbers: watch.numbers,
       go: watch.go.bind(watch),
       set: (scheme: string, amount: number) => {
-        this.scheme = scheme;
-        if (scheme === 'adaptive') this.pixels = amount;
-        else this.levels = amount;
-        this.draw();
-        watch.ask();
+        this.options?.set({ scheme, ...(scheme === 'adaptive' ? { pixels: amount } : { levels: amount }) });
       },
     };
   }
 
+  private get values(): Readonly<SubdivOptions> {
+    return this.options?.values ?? defaults;
+  }
+
+  /** The options have changed, by whatever. */
+  private follow(names: ReadonlySet<keyof SubdivOptions>): void {
+    if (names.has('scheme')) this.draw();
+    if (!this.watch?.lamp) return;
+    this.light();
+    this.show();
+    if (names.has('outside')) this.watch.look(this.values.outside);
+    if ([...names].some((name) => !LOOKS.has(name))) this.watch.ask();
+  }
+
+  private light(): void {
+    const { around, up, away } = this.values;
+    this.watch?.lamp?.at(around, up, away);
+  }
+
   private show(): void {
-    const { watch, cage, shown } = this;
-    if (cage) cage.visible = shown.cage;
-    watch?.paint(shown.flat, shown.wire);
-    watch?.look(shown.outside);
+    const { watch, cage, values } = this;
+    if (cage) cage.visible = values.cage;
+    watch?.paint(values.flat, values.wire);
   }
 
   private draw(): void {
+    const options = this.options!;
+    options.forget();
+    const rules = (Object.keys(RULES) as (keyof typeof RULES)[]).map((name) => options.select(name, NAMES[name], RULES[name]));
     this.host?.panel.replaceChildren(
-      part('Surface', this.select('Scheme', SCHEMES, this.scheme, (scheme) => this.pick(scheme)), ...this.amount()),
-      part('Rules', ...this.selects()),
-      part('View', ...this.boxes()),
+      part('Surface', options.select('scheme', 'Scheme', SCHEMES), ...this.amount(options)),
+      part('Rules', ...rules),
+      part('Light', ...lampControls(options)),
+      part('View', options.box('outside', 'Second window from outside', 'O'), options.box('cage', 'Control mesh', 'C'), options.box('wire', 'Sides of faces'), options.box('flat', 'Flat')),
       part('Now', this.facts.element),
     );
   }
 
-  private pick(scheme: string): void {
-    this.scheme = scheme;
-    this.draw();
-    this.watch?.ask();
-  }
-
-  private amount(): HTMLElement[] {
-    if (this.scheme !== 'adaptive') {
-      return [slider({ label: 'Steps', unit: '', from: 0, to: 6, step: 1, value: this.levels }, (levels) => this.set({ levels }))];
+  private amount(options: Options<SubdivOptions>): HTMLElement[] {
+    if (this.values.scheme !== 'adaptive') {
+      return [options.slider('levels', { label: 'Steps', unit: '', from: 0, to: 6, step: 1, value: defaults.levels })];
     }
     const hint = 'Distance to the limit surface on the screen; silhouettes are twice as close';
-    const [element, box] = check('Seen from both sides', '', (twoSided) => this.set({ twoSided }));
-    box.checked = this.twoSided;
     return [
-      slider({ label: 'Tolerance', unit: 'px', from: 0.05, to: 20, log: true, value: this.pixels, hint }, (pixels) => this.set({ pixels })),
-      element,
+      options.slider('pixels', { label: 'Tolerance', unit: 'px', from: 0.05, to: 20, log: true, value: defaults.pixels, hint }),
+      options.box('two_sided', 'Seen from both sides'),
     ];
-  }
-
-  private set(what: Partial<{ levels: number; pixels: number; twoSided: boolean }>): void {
-    Object.assign(this, what);
-    this.watch?.ask();
-  }
-
-  private selects(): HTMLElement[] {
-    const names = Object.keys(RULES) as (keyof typeof RULES)[];
-    return names.map((name) =>
-      this.select(NAMES[name], RULES[name], this.rules[name], (rule) => {
-        this.rules[name] = rule;
-        this.watch?.ask();
-      }),
-    );
-  }
-
-  private select(label: string, options: readonly (readonly [string, string])[], chosen: string, pick: (value: string) => void): HTMLElement {
-    const items = options.map(([value, text]) => h('option', { value, selected: value === chosen }, text));
-    const select = h('select', { onchange: () => pick(select.value) }, ...items);
-    return field(label, select);
-  }
-
-  private boxes(): HTMLElement[] {
-    const labels = { outside: ['Second window from outside', 'O'], cage: ['Control mesh', 'C'], wire: ['Sides of faces', ''], flat: ['Flat', ''] } as const;
-    return (Object.keys(labels) as (keyof typeof labels)[]).map((name) => {
-      const [element, box] = check(labels[name][0], labels[name][1], (on) => {
-        this.shown[name] = on;
-        this.show();
-      });
-      box.checked = this.shown[name];
-      return element;
-    });
   }
 }
 

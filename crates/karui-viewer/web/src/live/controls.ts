@@ -13,16 +13,17 @@ export interface Knob {
   /** Equal ways are equal factors; `from` is more than 0 then. */
   log?: boolean;
   step?: number;
+  /** Where it stands if nothing else is said. */
   value: number;
 }
 
 /** A titled part of the panel, line by line. */
 export const part = (title: string, ...lines: HTMLElement[]): HTMLElement => section(title, h('div', {}, ...lines));
 
-/** A slider with what it says beside it. */
-export function slider(knob: Knob, change: (value: number) => void): HTMLElement {
+/** A slider with what it says beside it, and what makes it stand elsewhere. */
+export function slider(knob: Knob, change: (value: number) => void): { element: HTMLElement; show(value: number): void } {
   const { from, to, log, unit } = knob;
-  const place = (v: number): number => (log ? (1000 * Math.log(v / from)) / Math.log(to / from) : v);
+  const place = (v: number): number => (log ? (1000 * Math.log(Math.max(v, from) / from)) / Math.log(to / from) : v);
   const value = (p: number): number => (log ? Number((from * (to / from) ** (p / 1000)).toPrecision(2)) : p);
   const told = h('output', {});
   const input = h('input', {
@@ -30,22 +31,26 @@ export function slider(knob: Knob, change: (value: number) => void): HTMLElement
     min: String(log ? 0 : from),
     max: String(log ? 1000 : to),
     step: String(log ? 1 : (knob.step ?? (to - from) / 200)),
-    value: String(place(knob.value)),
     oninput: () => {
-      show();
-      change(value(Number(input.value)));
+      const now = value(Number(input.value));
+      tell(now);
+      change(now);
     },
   });
-  const show = (): void => {
-    const now = value(Number(input.value));
+  const tell = (now: number): void => {
     told.textContent = unit ? `${number(now)} ${unit}` : count(now);
     input.setAttribute('aria-valuetext', told.textContent);
   };
-  show();
-  const row = field(knob.label, input, knob.hint);
-  row.classList.add('knob');
-  row.append(told);
-  return row;
+  const show = (now: number): void => {
+    // A slider that is dragged stands where the hand is.
+    if (value(Number(input.value)) !== now) input.value = String(place(now));
+    tell(now);
+  };
+  show(knob.value);
+  const element = field(knob.label, input, knob.hint);
+  element.classList.add('knob');
+  element.append(told);
+  return { element, show };
 }
 
 /** Names and values in two columns. */

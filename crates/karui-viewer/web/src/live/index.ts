@@ -2,57 +2,31 @@
 
 import { Mesh, MeshBasicMaterial } from 'three';
 import type { Summary } from '../api';
-import { Choice, check } from '../dom';
+import { check, Choice } from '../dom';
 import { bytes, count, number } from '../format';
 import type { Host, Mode } from '../mode';
-import { Facts, type Knob, part, slider } from './controls';
+import { Options } from '../options';
+import { type Colors, Colouring } from './colors';
+import { Facts, type Knob, part } from './controls';
+import { lampControls } from './lamp';
 import type { Ready } from './link';
+import { ABOUT, asked, budget, KNOBS, type LiveOptions, LOOKS, TIME, TRIANGLES, type Which } from './options';
 import { Recorder } from './record';
 import { type Asker, type Numbers, quantile, Watch } from './watch';
 
 /** Width at which a picture is worth dividing, CSS pixels. */
 const ROOM = 600;
 
-type Which = 'half-edge' | 'clusters';
-
-/** What can be asked for, under the names of the protocol. */
-const KNOBS: Record<Which, Record<string, Knob>> = {
-  'half-edge': {
-    area: { label: 'Area τ', unit: 'px²', from: 1, to: 4000, log: true, value: 100, hint: 'Least area on the screen of what a vertex touches' },
-    flatness: { label: 'Flatness φ', unit: '°', from: 0, to: 45, step: 0.5, value: 3, hint: 'Least angle between normals' },
-    silhouette: { label: 'Silhouettes', unit: 'px²', from: 1, to: 4000, log: true, value: 25, hint: 'Kept down to this area' },
-    light_silhouette: { label: 'Shadow line', unit: 'px²', from: 1, to: 4000, log: true, value: 25, hint: 'Where light and dark part: kept down to this area' },
-    highlight: { label: 'Highlight ρ', unit: '°', from: 0, to: 60, step: 1, value: 15, hint: 'Kept within this angle of the mirrored light' },
-    highlight_area: { label: 'Highlight area', unit: 'px²', from: 1, to: 4000, log: true, value: 25, hint: 'Highlights are kept down to this area' },
-  },
-  clusters: {
-    threshold: { label: 'Error', unit: 'px', from: 0.1, to: 50, log: true, value: 1, hint: 'Largest error on the screen' },
-    light_factor: { label: 'In light', unit: '×', from: 0.05, to: 1, log: true, value: 1, hint: 'Factor to the error in highlights and where light and dark part' },
-  },
-};
-
-const TRIANGLES: Knob = { label: 'At most', unit: '', from: 500, to: 2_000_000, log: true, value: 100_000 };
-const TIME: Knob = { label: 'About', unit: 'ms', from: 0.5, to: 50, log: true, value: 5, hint: 'Of the refinement; the rest waits for the next frame' };
-
 class Live implements Mode, Asker {
   readonly tab = 'live';
   readonly label = 'Live';
-  readonly keys = [['O', 'second window: the same triangles from outside'], ['P', 'record a camera path']] as const;
+  readonly keys = [['O', 'second window: the same triangles from outside'], ['P', 'record a camera path'], ['K', 'colours of clusters']] as const;
   private host: Host | null = null;
   private file: Summary | null = null;
   private watch: Watch | null = null;
   private recorder: Recorder | null = null;
-  private which: Which = 'half-edge';
-  private readonly options: Record<Which, Record<string, number | boolean>> = {
-    'half-edge': { frustum: true, back_facing: true },
-    clusters: { frustum: true, back_facing: false },
-  };
-  private readonly budget = { triangles: TRIANGLES.value, milliseconds: TIME.value };
-  private readonly limits = { triangles: false, milliseconds: false };
-  /** Not chosen yet: where there is room. */
-  private outside: boolean | null = null;
-  private flat = false;
-  private wire = false;
+  private options: Options<LiveOptions> | null = null;
+  private colouring: Colouring | null = null;
   private readonly facts = new Facts();
 
   accepts(file: Summary): boolean {
@@ -61,28 +35,29 @@ class Live implements Mode, Asker {
 
   async enter(host: Host, file: Summary): Promise<void> {
     [this.host, this.file] = [host, file];
-    this.outside ??= host.stage.canvas.clientWidth >= ROOM;
+    this.options = new Options(host.store, 'live', ABOUT, (names) => this.follow(names));
     this.start();
   }
 
   leave(): void {
     this.recorder?.stop();
     this.watch?.close();
-    this.watch = this.recorder = this.host = null;
+    this.options?.close();
+    this.watch = this.recorder = this.host = this.options = this.colouring = null;
   }
 
   key(event: KeyboardEvent): boolean {
-    if (event.key === 'o') this.setOutside(!this.outside);
+    const order: Colors[] = ['clay', 'cluster', 'level'];
+    if (event.key === 'o') this.options?.set({ outside: this.outside ? 'no' : 'yes' });
     else if (event.key === 'p') this.recorder?.toggle();
-    else return false;
+    else if (event.key === 'k' && this.values.kind === 'clusters') {
+      this.options?.set({ colors: order[(order.indexOf(this.values.colors as Colors) + 1) % order.length]! });
+    } else return false;
     return true;
   }
 
   ask(): object {
-    const budget: Record<string, number> = {};
-    if (this.limits.triangles) budget['triangles'] = Math.round(this.budget.triangles);
-    if (this.limits.milliseconds) budget['milliseconds'] = this.budget.milliseconds;
-    return { options: this.options[this.which], budget };
+    return { options: asked(this.values), budget: budget(this.values) };
   }
 
   ready(about: Ready): void {
@@ -92,8 +67,10 @@ class Live implements Mode, Asker {
     const wire = new Mesh(watch.surface.geometry, line);
     wire.frustumCulled = false;
     watch.edges(wire);
-    watch.paint(this.flat, this.wire);
-    watch.look(this.outside === true);
+    this.colouring = about.levels === undefined ? null : new Colouring(watch.surface, about.levels, host.overlay);
+    this.light();
+    this.paint();
+    watch.look(this.outside);
     this.facts.clear();
     this.facts.set('Finest', count(about.triangles ?? 0));
     this.facts.set('Coarsest', count(about.coarsest ?? 0));
@@ -105,16 +82,31 @@ class Live implements Mode, Asker {
     this.facts.set('Preparing', message);
   }
 
+  lampMoved(): void {
+    const { watch } = this;
+    if (watch?.lamp) this.options?.set(watch.lamp.place());
+  }
+
   answered(numbers: Numbers): void {
     const { facts } = this;
+    const clusters = this.values.kind === 'clusters';
     facts.set('Triangles', count(numbers.triangles));
-    facts.set(this.which === 'clusters' ? 'Came, went' : 'Splits, collapses', numbers.changes.map(count).join(', '));
+    if (clusters) facts.set('Clusters', count(numbers.slots));
+    facts.set(clusters ? 'Came, went' : 'Splits, collapses', numbers.changes.map(count).join(', '));
     facts.set('Frame', bytes(numbers.bytes));
     facts.set('Answer', `${number(quantile(numbers.latencies, 0.5))} ms, 95 %: ${number(quantile(numbers.latencies, 0.95))}`);
     facts.set('Server', `${number(numbers.server)} ms`);
-    const unit = this.which === 'clusters' ? 'px' : 'px²';
-    facts.set('Left out below', numbers.truncated ? `${number(numbers.level)} ${unit}` : 'nothing');
+    facts.set('Left out below', numbers.truncated ? `${number(numbers.level)} ${clusters ? 'px' : 'px²'}` : 'nothing');
     Object.assign(window.karui, { triangles: numbers.triangles, ready: true });
+  }
+
+  private get values(): Readonly<LiveOptions> {
+    return this.options?.values ?? ABOUT.defaults;
+  }
+
+  private get outside(): boolean {
+    const { outside } = this.values;
+    return outside === 'room' ? (this.host?.stage.canvas.clientWidth ?? 0) >= ROOM : outside === 'yes';
   }
 
   /** What tests read and set. */
@@ -123,9 +115,11 @@ class Live implements Mode, Asker {
       numbers: watch.numbers,
       go: watch.go.bind(watch),
       mesh: () => watch.surface?.mesh(),
+      colors: () => watch.surface?.colors(),
+      lamp: () => watch.lamp?.position.toArray(),
       path: () => this.recorder?.json(),
-      options: this.options[this.which],
-      setLamp: (azimuth: number, elevation: number) => this.turnLamp(azimuth, elevation),
+      options: asked(this.values),
+      setLamp: (around: number, up: number) => this.options?.set({ around, up }),
     };
   }
 
@@ -134,108 +128,90 @@ class Live implements Mode, Asker {
     if (!host || !file) return;
     this.recorder?.stop();
     this.watch?.close();
+    this.options?.forget();
+    this.colouring?.close();
+    this.colouring = null;
     Object.assign(window.karui, { ready: false });
     this.facts.clear();
-    this.watch = new Watch(host, `files/${file.id}/live?kind=${this.which}`, this);
+    this.watch = new Watch(host, `files/${file.id}/live?kind=${this.values.kind}`, this);
     this.recorder = new Recorder(this.watch, file.name);
     host.panel.replaceChildren(...this.controls());
   }
 
+  /** The options have changed, by whatever. */
+  private follow(names: ReadonlySet<keyof LiveOptions>): void {
+    const { watch } = this;
+    if (names.has('kind')) return this.start();
+    if (!watch?.lamp) return;
+    this.light();
+    this.paint();
+    if (names.has('outside')) watch.look(this.outside);
+    Object.assign(window.karui['live'] as object, { options: asked(this.values) });
+    if ([...names].some((name) => !LOOKS.has(name))) watch.ask();
+  }
+
+  private light(): void {
+    const { around, up, away, lit } = this.values;
+    if (!this.watch) return;
+    this.watch.lit = lit;
+    this.watch.lamp?.at(around, up, away);
+  }
+
+  private paint(): void {
+    const { flat, wire, colors } = this.values;
+    const painted = this.colouring !== null && colors !== 'clay';
+    this.colouring?.show(colors as Colors);
+    this.watch?.paint(flat, wire, painted);
+  }
+
   private controls(): HTMLElement[] {
-    const pick = (which: Which): void => {
-      this.which = which;
-      this.start();
-    };
-    const kinds = new Choice<Which>('Hierarchy', [['half-edge', 'Half-edges'], ['clusters', 'Clusters']], pick);
-    kinds.set(this.which);
-    const hidden = this.which === 'clusters' ? 'Left out' : 'Coarse';
+    const { kind } = this.values;
     return [
-      part('Hierarchy', kinds.element, this.facts.element),
-      part('What is kept', ...this.knobs(), this.box(`${hidden} outside the picture`, 'frustum'), this.box(`${hidden} where it faces away`, 'back_facing')),
-      part('Budget', ...this.limit('triangles', TRIANGLES), ...(this.which === 'half-edge' ? this.limit('milliseconds', TIME) : [])),
-      part('Light', ...this.lamp()),
-      part('View', ...this.views()),
+      part('Hierarchy', this.choice('Hierarchy', 'kind', [['half-edge', 'Half-edges'], ['clusters', 'Clusters']]), this.facts.element),
+      part('What is kept', ...this.kept(kind as Which)),
+      part('Budget', ...this.limit('limit_triangles', 'triangles', TRIANGLES), ...(kind === 'half-edge' ? this.limit('limit_time', 'milliseconds', TIME) : [])),
+      part('Light', this.options!.box('lit', 'Light counts'), ...lampControls(this.options!)),
+      part('View', ...this.views(kind as Which)),
       part('Camera path', this.recorder!.element),
     ];
   }
 
-  private knobs(): HTMLElement[] {
-    const options = this.options[this.which];
-    return Object.entries(KNOBS[this.which]).map(([name, knob]) => {
-      options[name] ??= knob.value;
-      return slider({ ...knob, value: options[name] as number }, (value) => {
-        options[name] = value;
-        this.watch?.ask();
-      });
-    });
+  private choice(label: string, name: 'kind' | 'colors', words: readonly (readonly [string, string])[]): HTMLElement {
+    const options = this.options!;
+    const choice = new Choice<string>(label, words, (value) => options.set({ [name]: value }));
+    return options.control(choice.element, () => choice.set(options.values[name]));
   }
 
-  private box(label: string, name: string): HTMLElement {
-    const options = this.options[this.which];
-    const [element, box] = check(label, '', (on) => {
-      options[name] = on;
-      this.watch?.ask();
-    });
-    box.checked = options[name] as boolean;
-    return element;
+  private kept(which: Which): HTMLElement[] {
+    const options = this.options!;
+    type Numbers = keyof (typeof KNOBS)['half-edge'] | keyof (typeof KNOBS)['clusters'];
+    const knobs = Object.entries(KNOBS[which]) as [Numbers, Knob][];
+    const hidden = which === 'clusters' ? 'Left out' : 'Coarse';
+    return [
+      ...knobs.map(([name, knob]) => options.slider(name, knob)),
+      options.box(`${which}.frustum`, `${hidden} outside the picture`),
+      options.box(`${which}.back_facing`, `${hidden} where it faces away`),
+    ];
   }
 
-  private limit(name: 'triangles' | 'milliseconds', knob: Knob): HTMLElement[] {
-    const set = (value: number): void => {
-      this.budget[name] = value;
-      if (this.limits[name]) this.watch?.ask();
-    };
-    const row = slider({ ...knob, value: this.budget[name] }, set);
-    const [element, box] = check(name === 'triangles' ? 'Limit triangles' : 'Limit time', '', (on) => {
-      this.limits[name] = on;
-      this.watch?.ask();
-    });
-    box.checked = this.limits[name];
-    return [element, row];
+  private limit(on: 'limit_triangles' | 'limit_time', name: 'triangles' | 'milliseconds', knob: Knob): HTMLElement[] {
+    return [this.options!.box(on, name === 'triangles' ? 'Limit triangles' : 'Limit time'), this.options!.slider(name, knob)];
   }
 
-  private lamp(): HTMLElement[] {
-    const angles = { azimuth: -40, elevation: 45 };
-    const knob = (label: string, most: number, name: keyof typeof angles): HTMLElement =>
-      slider({ label, unit: '°', from: -most, to: most, step: 1, value: angles[name] }, (value) => {
-        angles[name] = value;
-        this.turnLamp(angles.azimuth, angles.elevation);
-      });
-    const [element, box] = check('Light counts', '', (on) => {
-      if (!this.watch) return;
-      this.watch.lit = on;
-      this.watch.ask();
-    });
-    box.checked = true;
-    return [element, knob('Around', 180, 'azimuth'), knob('Up', 90, 'elevation')];
+  private views(which: Which): HTMLElement[] {
+    const options = this.options!;
+    const colors = this.choice('Colours', 'colors', [['clay', 'Clay'], ['cluster', 'Clusters'], ['level', 'Levels']]);
+    return [
+      this.outsideBox(),
+      options.box('flat', 'Flat'),
+      options.box('wire', 'Wireframe'),
+      ...(which === 'clusters' ? [colors] : []),
+    ];
   }
 
-  private turnLamp(azimuth: number, elevation: number): void {
-    this.watch?.lamp?.at(azimuth, elevation);
-    this.watch?.ask();
-  }
-
-  private views(): HTMLElement[] {
-    const paint = (): void => this.watch?.paint(this.flat, this.wire);
-    const [outside, first] = check('Second window from outside', 'O', (on) => this.setOutside(on));
-    const [flat, second] = check('Flat', '', (on) => {
-      this.flat = on;
-      paint();
-    });
-    const [wire, third] = check('Wireframe', '', (on) => {
-      this.wire = on;
-      paint();
-    });
-    [first.checked, second.checked, third.checked] = [this.outside === true, this.flat, this.wire];
-    first.dataset['outside'] = '';
-    return [outside, flat, wire];
-  }
-
-  private setOutside(on: boolean): void {
-    this.outside = on;
-    const box = this.host?.panel.querySelector<HTMLInputElement>('[data-outside]');
-    if (box) box.checked = on;
-    this.watch?.look(on);
+  private outsideBox(): HTMLElement {
+    const [element, box] = check('Second window from outside', 'O', (on) => this.options?.set({ outside: on ? 'yes' : 'no' }));
+    return this.options!.control(element, () => (box.checked = this.outside));
   }
 }
 

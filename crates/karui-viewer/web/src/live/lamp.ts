@@ -1,10 +1,26 @@
 // A light that can be dragged.
 
 import {
-  Color, type Camera, HemisphereLight, Mesh, MeshBasicMaterial, Plane, PointLight, Raycaster, type Scene, type Sphere,
+  Color, type Camera, HemisphereLight, Mesh, MeshBasicMaterial, Plane, PointLight, Raycaster, type Scene, Sphere,
   SphereGeometry, Vector2, Vector3,
 } from 'three';
 import type { Stage } from '../view/stage';
+import type { Knob } from './controls';
+
+/** Where it stands at first, as options: degrees around and up, radii of the model away from its middle. */
+export const LAMP = { around: -40, up: 45, away: 1.35 };
+
+/** Size of the bulb, radii of the model. */
+const BULB = 0.045;
+
+/** Sliders for where a lamp stands. */
+export function lampControls(options: { slider(name: keyof typeof LAMP, knob: Knob): HTMLElement }): HTMLElement[] {
+  return [
+    options.slider('around', { label: 'Around', unit: '°', from: -180, to: 180, step: 1, value: LAMP.around }),
+    options.slider('up', { label: 'Up', unit: '°', from: -90, to: 90, step: 1, value: LAMP.up }),
+    options.slider('away', { label: 'Away', unit: 'radii', from: 0.1, to: 20, log: true, value: LAMP.away, hint: 'From the middle of the model' }),
+  ];
+}
 
 export class Lamp {
   private readonly bulb: Mesh<SphereGeometry, MeshBasicMaterial>;
@@ -12,6 +28,8 @@ export class Lamp {
   private readonly sky = new HemisphereLight(0xf2f5ff, 0x4a4640, 1.0);
   private readonly ray = new Raycaster();
   private readonly plane = new Plane();
+  /** What is not to be clipped of it. */
+  private readonly extent = new Sphere();
   private dragged = false;
   private readonly handlers = {
     pointerdown: (event: PointerEvent) => this.down(event),
@@ -27,13 +45,15 @@ export class Lamp {
     private readonly moved: () => void,
   ) {
     const material = new MeshBasicMaterial({ color: new Color(0xffd27a) });
-    this.bulb = new Mesh(new SphereGeometry(0.045 * bounds.radius, 20, 12), material);
+    this.bulb = new Mesh(new SphereGeometry(BULB * bounds.radius, 20, 12), material);
     scene.add(this.bulb, this.light, this.sky);
+    this.extent.radius = BULB * bounds.radius;
+    stage.besides.add(this.extent);
     for (const [name, handler] of Object.entries(this.handlers)) {
       // Before the camera takes it.
       stage.canvas.addEventListener(name, handler as EventListener, { capture: true });
     }
-    this.at(-40, 45);
+    this.at(LAMP.around, LAMP.up, LAMP.away);
   }
 
   get position(): Vector3 {
@@ -44,23 +64,33 @@ export class Lamp {
   set(position: Vector3): void {
     this.bulb.position.copy(position);
     this.light.position.copy(position);
+    this.extent.center.copy(position);
     const distance = Math.max(position.distanceTo(this.bounds.center), 1e-3 * this.bounds.radius);
     // White at the middle of the model, wherever it is.
     this.light.intensity = 3.2 * distance * distance;
     this.stage.invalidate();
   }
 
-  /** Puts it on a sphere around the model, degrees: before the near plane of `Stage`, which is 1.5 radii away. */
-  at(azimuth: number, elevation: number): void {
-    const [a, e] = [azimuth, elevation].map((x) => (x * Math.PI) / 180) as [number, number];
+  /** Puts it around the model: degrees, and radii of the model from its middle. */
+  at(around: number, up: number, away: number): void {
+    const [a, e] = [around, up].map((x) => (x * Math.PI) / 180) as [number, number];
     const direction = new Vector3(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e));
-    this.set(direction.multiplyScalar(1.35 * this.bounds.radius).add(this.bounds.center));
+    this.set(direction.multiplyScalar(away * this.bounds.radius).add(this.bounds.center));
+  }
+
+  /** Where it is, as `at` takes it. */
+  place(): typeof LAMP {
+    const { x, y, z } = this.position.clone().sub(this.bounds.center).divideScalar(this.bounds.radius);
+    const away = Math.hypot(x, y, z);
+    const degrees = (angle: number) => (angle * 180) / Math.PI;
+    return { around: degrees(Math.atan2(x, z)), up: away > 0 ? degrees(Math.asin(y / away)) : 0, away };
   }
 
   dispose(): void {
     for (const [name, handler] of Object.entries(this.handlers)) {
       this.stage.canvas.removeEventListener(name, handler as EventListener, { capture: true });
     }
+    this.stage.besides.delete(this.extent);
     this.scene.remove(this.bulb, this.light, this.sky);
     this.bulb.geometry.dispose();
     this.bulb.material.dispose();

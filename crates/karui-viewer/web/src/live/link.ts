@@ -22,6 +22,8 @@ export interface Ready {
   seconds?: number;
   coarsest?: number;
   clusters?: number;
+  /** Of the graph of clusters. */
+  levels?: number;
   /** Triangles of the largest cluster. */
   slot?: number;
   cage?: { positions: number[]; edges: number[] };

@@ -1,58 +1,25 @@
 // The triangles as the server has told of them: slots that are overwritten in place.
 
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from 'three';
+import { BufferGeometry, Color, SRGBColorSpace } from 'three';
+import { floats, Growing, octets, words } from './growing';
 import { type Frame, Kind, type Reader, RESET, unfold } from './protocol';
-
-/** Indices between two changes that are uploaded with them: calls cost more than bytes. */
-const GAP = 3000;
-
-/** Numbers that grow, in memory that is doubled. */
-class Growing<T extends Float32Array | Uint32Array> {
-  attribute: BufferAttribute;
-
-  constructor(
-    private readonly make: (length: number) => T,
-    private readonly size: number,
-  ) {
-    this.attribute = this.attributeOf(make(0));
-  }
-
-  get array(): T {
-    return this.attribute.array as T;
-  }
-
-  /** Whether there is another attribute now. */
-  reserve(length: number): boolean {
-    const { array } = this;
-    if (length <= array.length) return false;
-    const grown = this.make(Math.max(length, 2 * array.length, 3 << 10));
-    grown.set(array);
-    this.attribute = this.attributeOf(grown);
-    return true;
-  }
-
-  changed(start: number, end: number): void {
-    if (end <= start) return;
-    const { updateRanges } = this.attribute;
-    const last = updateRanges[updateRanges.length - 1];
-    if (last && start >= last.start && start - (last.start + last.count) < GAP) {
-      last.count = Math.max(last.count, end - last.start);
-    } else {
-      this.attribute.addUpdateRange(start, end - start);
-    }
-    this.attribute.needsUpdate = true;
-  }
-
-  private attributeOf(array: T): BufferAttribute {
-    return new BufferAttribute(array, this.size).setUsage(DynamicDrawUsage);
-  }
-}
-
-const floats = (length: number): Float32Array => new Float32Array(length);
-const words = (length: number): Uint32Array => new Uint32Array(length);
 
 /** Numbers of a slot, triangles of it, and line ends. */
 const WIDTH = { [Kind.HalfEdge]: 3, [Kind.Clusters]: 1, [Kind.Adaptive]: 4 };
+
+/** A cluster as the page has it. */
+interface Cluster {
+  /** Number in the graph. */
+  id: number;
+  level: number;
+  /** Its vertices among those that clusters are drawn with. */
+  from: number;
+  to: number;
+  corners: Uint32Array;
+}
+
+/** The colour of a cluster of this number and level, 0 to 255. */
+export type Painter = (cluster: number, level: number) => readonly [number, number, number];
 
 export class Surface {
   readonly geometry = new BufferGeometry();
@@ -63,11 +30,18 @@ export class Surface {
   private readonly normal = new Growing(floats, 3);
   private readonly index = new Growing(words, 1);
   private readonly ends = new Growing(words, 1);
+  private readonly tint = new Growing(octets, 4, true);
   private vertices = 0;
-  /** Corners of every cluster, by the page's vertices. */
-  private clusters: Uint32Array[] = [];
+  private clusters: Cluster[] = [];
+  /** Vertices that clusters are drawn with: each cluster has its own, for the sake of its colour. */
+  private own = 0;
+  /** By slot: the cluster in it. */
+  private held: number[] = [];
+  private paint: Painter = () => [255, 255, 255];
+  private readonly places = new Growing(floats, 3);
+  private readonly directions = new Growing(floats, 3);
 
-  /** `slot`: triangles of the largest cluster. */
+  /** `slot`: triangles of the largest cluster; 0 where there are no clusters. */
   constructor(private readonly slot: number) {
     this.attach();
   }
@@ -88,7 +62,22 @@ export class Surface {
   mesh(): { positions: Float32Array; corners: Uint32Array } {
     const { count } = this.geometry.drawRange;
     const corners = this.index.array.slice(0, count);
-    return { positions: this.position.array.slice(0, 3 * this.vertices), corners };
+    const vertices = this.slot ? this.own : this.vertices;
+    return { positions: this.position.array.slice(0, 3 * vertices), corners };
+  }
+
+  /** Of the clusters on the screen: number in the graph, level, and colour as the vertices have it. */
+  colors(): { id: number; level: number; color: number[] }[] {
+    return [...this.held].map((at) => {
+      const { id, level, from } = this.clusters[at]!;
+      return { id, level, color: [...this.tint.array.slice(4 * from, 4 * from + 3)] };
+    });
+  }
+
+  /** Gives every cluster the colour that is told of its number and level, 0 to 255. */
+  color(paint: Painter): void {
+    this.paint = paint;
+    for (const cluster of this.clusters) this.dye(cluster);
   }
 
   dispose(): void {
@@ -97,8 +86,9 @@ export class Surface {
   }
 
   private clear(): void {
-    this.vertices = 0;
+    this.vertices = this.own = 0;
     this.clusters = [];
+    this.held = [];
     this.geometry.setDrawRange(0, 0);
     this.sides.setDrawRange(0, 0);
   }
@@ -109,6 +99,7 @@ export class Surface {
     for (const geometry of [this.geometry, this.sides]) {
       geometry.setAttribute('position', this.position.attribute);
       geometry.setAttribute('normal', this.normal.attribute);
+      if (this.slot) geometry.setAttribute('color', this.tint.attribute);
     }
     this.geometry.setIndex(this.index.attribute);
     this.sides.setIndex(this.ends.attribute);
@@ -117,25 +108,44 @@ export class Surface {
   private append({ positions, normals }: Frame): void {
     const count = positions.length / 3;
     const [from, to] = [3 * this.vertices, 3 * (this.vertices + count)];
-    const moved = [this.position, this.normal].map((g) => g.reserve(to));
-    if (moved.some(Boolean)) this.attach();
-    this.position.array.set(positions, from);
+    const drawn = this.slot === 0;
+    const [place, direction] = drawn ? [this.position, this.normal] : [this.places, this.directions];
+    const moved = [place.reserve(to), direction.reserve(to)];
+    if (drawn && moved.some(Boolean)) this.attach();
+    place.array.set(positions, from);
     for (let v = 0; v < count; v++) {
-      unfold(normals[2 * v]!, normals[2 * v + 1]!, this.normal.array, from + 3 * v);
+      unfold(normals[2 * v]!, normals[2 * v + 1]!, direction.array, from + 3 * v);
     }
-    this.position.changed(from, to);
-    this.normal.changed(from, to);
+    if (drawn) for (const grown of [place, direction]) grown.changed(from, to);
     this.vertices += count;
   }
 
   private define(body: Reader): void {
-    body.number(); // The level.
-    const [vertices, triangles] = [body.number(), body.number()];
-    const numbers = new Uint32Array(vertices);
+    const [id, level, vertices, triangles] = [body.number(), body.number(), body.number(), body.number()];
+    const from = this.own;
+    this.own += vertices;
+    const moved = [this.position, this.normal].map((g) => g.reserve(3 * this.own));
+    if ([...moved, this.tint.reserve(4 * this.own)].some(Boolean)) this.attach();
     let last = 0;
-    for (let v = 0; v < vertices; v++) numbers[v] = last = body.step(last);
-    const corners = body.take(3 * triangles);
-    this.clusters.push(Uint32Array.from(corners, (c) => numbers[c]!));
+    for (let v = from; v < this.own; v++) {
+      last = body.step(last);
+      this.position.array.set(this.places.array.subarray(3 * last, 3 * last + 3), 3 * v);
+      this.normal.array.set(this.directions.array.subarray(3 * last, 3 * last + 3), 3 * v);
+    }
+    for (const grown of [this.position, this.normal]) grown.changed(3 * from, 3 * this.own);
+    const corners = Uint32Array.from(body.take(3 * triangles), (c) => from + c);
+    const cluster = { id, level, from, to: this.own, corners };
+    this.clusters.push(cluster);
+    this.dye(cluster);
+  }
+
+  /** Colours are told as screens have them, and lit as they are in the light. */
+  private dye({ id, level, from, to }: Cluster): void {
+    const [r, g, b] = this.paint(id, level);
+    const light = new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
+    const color = [...light.toArray().map((x) => Math.round(255 * x)), 255];
+    for (let v = from; v < to; v++) this.tint.array.set(color, 4 * v);
+    this.tint.changed(4 * from, 4 * to);
   }
 
   private place({ kind, slots, runs, body }: Frame): void {
@@ -156,6 +166,7 @@ export class Surface {
       this.index.changed(from * indices, at * indices);
       this.ends.changed(from * ends, at * ends);
     }
+    this.held.length = this.slot ? slots : 0;
     this.geometry.setDrawRange(0, slots * indices);
     this.sides.setDrawRange(0, slots * ends);
   }
@@ -169,8 +180,9 @@ export class Surface {
   }
 
   private setCluster(slot: number, cluster: number): void {
-    const corners = this.clusters[cluster];
+    const corners = this.clusters[cluster]?.corners;
     if (!corners) throw new Error(`there is no cluster ${cluster}`);
+    this.held[slot] = cluster;
     const start = 3 * this.slot * slot;
     this.index.array.set(corners, start);
     // What is left over are triangles without an area.

@@ -4,7 +4,7 @@ import './style.css';
 import { Box3, Mesh, Scene, Vector3 } from 'three';
 import type { Host } from '../mode';
 import { FOV } from '../view/stage';
-import { clay } from '../view/paint';
+import { clay, colored } from '../view/paint';
 import { Lamp } from './lamp';
 import { Link, type Ready } from './link';
 import { Outside } from './outside';
@@ -40,6 +40,8 @@ export interface Asker {
   /** What the server is at, before it is ready. */
   progress(message: string): void;
   answered(numbers: Numbers): void;
+  /** The lamp was dragged. */
+  lampMoved(): void;
 }
 
 export class Watch {
@@ -124,9 +126,10 @@ export class Watch {
     this.ask();
   }
 
-  paint(flat: boolean, wire: boolean): void {
+  /** `painted`: in the colours of the vertices rather than in clay. */
+  paint(flat: boolean, wire: boolean, painted = false): void {
     if (!this.mesh) return;
-    this.mesh.material = clay(flat);
+    this.mesh.material = painted ? colored(flat) : clay(flat);
     const edges = this.mesh.children[0];
     if (edges) edges.visible = wire;
     this.host.stage.invalidate();
@@ -142,11 +145,11 @@ export class Watch {
     const { stage } = this.host;
     const bounds = new Box3(new Vector3().fromArray(about.bounds.min), new Vector3().fromArray(about.bounds.max));
     stage.setBounds(bounds);
-    this.surface = new Surface(about.slot ?? 1);
+    this.surface = new Surface(about.slot ?? 0);
     this.mesh = new Mesh(this.surface.geometry, clay(false));
     this.mesh.frustumCulled = false;
     this.scene.add(this.mesh);
-    this.lamp = new Lamp(stage, this.scene, stage.bounds.clone(), this.moved);
+    this.lamp = new Lamp(stage, this.scene, stage.bounds.clone(), () => this.asker.lampMoved());
     this.asker.ready(about);
     // After the windows have been laid out: the first one is to show all.
     const { camera } = this.host.store.state;

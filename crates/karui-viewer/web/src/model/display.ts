@@ -17,6 +17,10 @@ export class Display {
   level = -1;
   /** Triangles of it. */
   triangles = 0;
+  /** Heat map that it is shown with, or none; FLIP is none. */
+  heat = '';
+  /** Called with how far the heat map is that is waited for, and with nothing once none is. */
+  readonly waits = new Set<(report: api.JobReport | undefined) => void>();
   /** Called when another level is shown, or the same one painted otherwise. */
   readonly shown = new Set<() => void>();
   readonly box: Box3;
@@ -25,6 +29,8 @@ export class Display {
   private readonly back = new Scene();
   private asked = '';
   private request = 0;
+  /** The heat map that is waited for. */
+  private wait: { path: string; abort: AbortController } | undefined;
   /** Groups on the screen that are not on the shelf any more. */
   private readonly gone = new Set<Group>();
 
@@ -61,31 +67,46 @@ export class Display {
     if (key === this.asked) return this.repaint();
     this.asked = key;
     const request = ++this.request;
+    const { heat } = this.state;
+    const paths = [this.path(level), ...(compare === 'off' ? [] : [this.path(0)])];
+    if (this.wait && !paths.includes(this.wait.path)) this.stop();
     try {
-      const both = [this.path(level), ...(compare === 'off' ? [] : [this.path(0)])];
-      const [front, back] = await Promise.all(both.map((path) => this.shelf.get(path)));
+      const [front, back] = await this.fetch(paths, request);
       if (request !== this.request || !front) return;
       this.put(front, back);
       this.level = level;
+      this.heat = heat === FLIP ? '' : heat;
       this.triangles = triangles(front);
       this.repaint();
       if (!this.front.environment && mirrors(front)) this.furnish();
     } catch (error) {
-      if (request === this.request) this.asked = '';
+      // What was broken off nobody waits for.
+      if (request !== this.request) return;
+      this.asked = '';
       throw error;
     }
+  }
+
+  /** Breaks off the heat map that is waited for. */
+  stop(): void {
+    this.wait?.abort.abort();
+    this.wait = undefined;
+    this.waits.forEach((call) => call(undefined));
   }
 
   /** Other levels have been made of the same model. */
   async renew(file: api.ModelSummary): Promise<void> {
     this.file = file;
     this.asked = '';
+    this.request += 1;
+    this.stop();
     await this.shelf.clear((group) => this.free(group));
     await this.update();
   }
 
   async close(): Promise<void> {
     this.request += 1;
+    this.stop();
     this.host.stage.panes = [];
     await this.shelf.clear(dispose);
   }
@@ -98,6 +119,32 @@ export class Display {
     if (side > 0) panes.unshift({ scene: this.back, from: 0, to: side, cut });
     this.host.stage.panes = panes;
     this.host.stage.invalidate();
+  }
+
+  /** Plain levels at once, heat maps one after the other: each keeps the server busy. */
+  private async fetch(paths: string[], request: number): Promise<Group[]> {
+    const { heat } = this.state;
+    if (heat === '' || heat === FLIP) return Promise.all(paths.map((path) => this.shelf.get(path)));
+    const groups: Group[] = [];
+    for (const path of paths) {
+      if (request !== this.request) break;
+      groups.push(await this.shelf.get(path, (missing) => this.heated(missing)));
+    }
+    return groups;
+  }
+
+  private async heated(path: string): Promise<ArrayBuffer> {
+    const wait = (this.wait = { path, abort: new AbortController() });
+    const tell = (report: api.JobReport | undefined) => this.waits.forEach((call) => call(report));
+    tell({ state: 'running', stage: 'starting', fraction: 0 });
+    try {
+      return await api.heat(path, { signal: wait.abort.signal, tell });
+    } finally {
+      if (this.wait === wait) {
+        this.wait = undefined;
+        tell(undefined);
+      }
+    }
   }
 
   private path(level: number): string {
@@ -119,8 +166,8 @@ export class Display {
   }
 
   private repaint(): void {
-    const { look, flat, wire, heat } = this.state;
-    const finish = { look, flat, wire, heat: heat !== '' && heat !== FLIP };
+    const { look, flat, wire } = this.state;
+    const finish = { look, flat, wire, heat: this.heat !== '' };
     for (const scene of [this.front, this.back]) paint(scene, finish);
     this.arrange();
     for (const call of [...this.shown]) call();

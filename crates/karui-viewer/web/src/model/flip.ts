@@ -20,6 +20,7 @@ export class FlipLayer {
     private readonly host: Host,
     private readonly display: Display,
     private readonly tell: (mean: number | undefined) => void,
+    private readonly wait: (report: api.JobReport | undefined) => void,
   ) {}
 
   /** Asks for a picture unless the one that is shown is right. */
@@ -29,22 +30,28 @@ export class FlipLayer {
     this.asked = key;
     this.element.hidden = true;
     this.tell(undefined);
-    clearTimeout(this.timer);
-    this.request?.abort();
+    this.stop();
     if (key) this.timer = window.setTimeout(() => void this.ask(), REST);
   }
 
   close(): void {
+    this.stop();
+    URL.revokeObjectURL(this.element.src);
+  }
+
+  private stop(): void {
     clearTimeout(this.timer);
     this.request?.abort();
-    URL.revokeObjectURL(this.element.src);
+    if (this.request) this.wait(undefined);
+    this.request = undefined;
   }
 
   private async ask(): Promise<void> {
     const request = (this.request = new AbortController());
+    const { signal } = request;
     try {
-      const { picture, mean } = await api.flip(this.display.file.id, this.query(), request.signal);
-      if (request.signal.aborted) return;
+      const { picture, mean } = await api.flip(this.display.file.id, this.query(), { signal, tell: this.wait });
+      if (signal.aborted) return;
       URL.revokeObjectURL(this.element.src);
       this.element.src = URL.createObjectURL(picture);
       await this.element.decode();
@@ -52,7 +59,9 @@ export class FlipLayer {
       this.tell(mean);
       Object.assign(window.karui, { flip: mean });
     } catch (error) {
-      if (!request.signal.aborted) this.host.say((error as Error).message, 'error');
+      if (!signal.aborted) this.host.say((error as Error).message, 'error');
+    } finally {
+      if (this.request === request) this.stop();
     }
   }
 

@@ -67,7 +67,8 @@ export class ModelMode implements Mode {
     const strip = new Strip(host, display, () => make.start());
     make.tell.add((line) => strip.work(line));
     const parts = [new LevelsPanel(host, display), new LookPanel(host, display), heat, new StatsPanel(host, display), new Labels(host, display)];
-    const flip = new FlipLayer(host, display, (mean) => heat.setMean(mean));
+    const flip = new FlipLayer(host, display, (mean) => heat.setMean(mean), (report) => heat.wait(report));
+    display.waits.add((report) => heat.wait(report));
     const [levels, look, , stats] = parts.map((part) => part.element);
     host.panel.append(
       section('Levels', levels!),
@@ -101,6 +102,10 @@ export class ModelMode implements Mode {
     };
     host.stage.moved.add(moved);
     this.leaving.push(host.store.subscribe(follow), () => host.stage.moved.delete(moved));
+  }
+
+  async refresh(version: number): Promise<void> {
+    if (this.display && this.display.file.version !== version) await this.renew();
   }
 
   private async renew(): Promise<void> {

@@ -24,6 +24,9 @@ export class HeatPanel {
   private readonly pick: HTMLSelectElement;
   private asked = '';
   private mean: number | undefined;
+  private report: api.JobReport | undefined;
+  private readonly bar = h('progress', { max: 1, value: 0, 'aria-label': 'Progress' });
+  private readonly far = h('output', { class: 'told' });
 
   constructor(
     private readonly host: Host,
@@ -39,13 +42,33 @@ export class HeatPanel {
   refresh(): void {
     const { heat } = this.host.store.state;
     this.pick.value = heat;
+    const there = heat === FLIP || heat === this.display.heat;
+    this.legend.hidden = !heat || !(there || this.report);
+    if (this.report) return;
     const { level, file } = this.display;
-    const key = heat && `${heat} ${level} ${JSON.stringify(file.levels[level])}`;
+    const key = heat && there ? `${heat} ${level} ${JSON.stringify(file.levels[level])}` : '';
     if (key === this.asked) return;
     this.asked = key;
-    this.legend.hidden = !heat;
-    if (heat === FLIP) this.show(FLIP, { min: 0, max: 1, unit: 'FLIP', map: 'magma', colors: MAGMA });
-    else if (heat) void this.ask(heat, key);
+    if (key && heat === FLIP) this.show(FLIP, { min: 0, max: 1, unit: 'FLIP', map: 'magma', colors: MAGMA });
+    else if (key) void this.ask(heat, key);
+  }
+
+  /** How far the map is that is waited for; nothing once none is. */
+  wait(report: api.JobReport | undefined): void {
+    const begins = !this.report;
+    this.report = report;
+    Object.assign(window.karui, { waiting: report ?? null });
+    if (!report) {
+      this.asked = '';
+      return this.refresh();
+    }
+    this.bar.value = report.fraction;
+    this.far.textContent = `${report.stage}, ${percent(Math.round(100 * report.fraction) / 100)}`;
+    if (!begins) return;
+    this.legend.hidden = false;
+    const [name] = NAMES[this.host.store.state.heat] ?? [''];
+    const stop = h('button', { type: 'button', onclick: () => this.host.store.set({ heat: '' }) }, 'Cancel');
+    this.legend.replaceChildren(h('figcaption', {}, name), this.bar, h('div', { class: 'ends' }, this.far, stop));
   }
 
   /** The mean of the FLIP that is shown; none while there is none. */

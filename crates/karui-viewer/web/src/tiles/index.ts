@@ -6,8 +6,9 @@ import { Box3, Color, Group, MathUtils, Mesh, MeshLambertMaterial, type Object3D
 import type { Summary, TilesetSummary } from '../api';
 import { Choice, check } from '../dom';
 import { count, number } from '../format';
-import { Facts, part, slider } from '../live/controls';
+import { Facts, part } from '../live/controls';
 import type { Host, Mode } from '../mode';
+import { type About, Options } from '../options';
 import { FOV } from '../view/stage';
 
 type Colors = 'own' | 'group' | 'depth';
@@ -41,6 +42,10 @@ const QUIET = 4;
 /** A distance of hues at which neighbours differ: the golden angle. */
 const STEP = 0.38196601;
 
+const defaults = { error: 16, colors: 'own' };
+
+const ABOUT: About<typeof defaults> = { defaults, words: { colors: ['own', 'group', 'depth'] } };
+
 class TilesMode implements Mode {
   readonly tab = 'tiles';
   readonly label = 'Scene';
@@ -48,11 +53,9 @@ class TilesMode implements Mode {
   private host: Host | null = null;
   private tiles: TilesRenderer | null = null;
   private scene = new Scene();
-  private colors: Colors = 'own';
-  private error = 16;
+  private options: Options<typeof defaults> | null = null;
   private frozen = false;
   private placed = false;
-  private choice: Choice<Colors> | null = null;
   private numbers = new Map<object, number>();
   private quiet = 0;
   private readonly failures: string[] = [];
@@ -71,6 +74,7 @@ class TilesMode implements Mode {
   async enter(host: Host, file: Summary): Promise<void> {
     const { id, root, files } = file as TilesetSummary;
     Object.assign(this, { host, scene: new Scene(), placed: false, frozen: false, numbers: new Map(), quiet: 0 });
+    this.options = new Options(host.store, 'tiles', ABOUT, () => this.follow());
     this.failures.length = 0;
     this.facts.clear();
     this.facts.set('Files', count(files));
@@ -100,12 +104,13 @@ class TilesMode implements Mode {
     if (host) host.stage.panes = [];
     tiles?.forEachLoadedModel(forget);
     tiles?.dispose();
-    this.tiles = this.host = null;
+    this.options?.close();
+    this.tiles = this.host = this.options = null;
   }
 
   key(event: KeyboardEvent): boolean {
     const order: Colors[] = ['own', 'group', 'depth'];
-    if (event.key === 'g') this.paint(order[(order.indexOf(this.colors) + 1) % 3]!);
+    if (event.key === 'g') this.options?.set({ colors: order[(order.indexOf(this.colors) + 1) % 3]! });
     else if (event.key === 'f') this.freeze(!this.frozen);
     else return false;
     return true;
@@ -116,27 +121,36 @@ class TilesMode implements Mode {
     return {
       failures: this.failures,
       stats: () => this.tiles && statsOf(this.tiles),
-      setError: (pixels: number) => this.target(pixels),
-      paint: (colors: Colors) => this.paint(colors),
+      setError: (error: number) => this.options?.set({ error }),
+      paint: (colors: Colors) => this.options?.set({ colors }),
     };
+  }
+
+  private get values(): Readonly<typeof defaults> {
+    return this.options?.values ?? defaults;
+  }
+
+  private get colors(): Colors {
+    return this.values.colors as Colors;
+  }
+
+  /** The options have changed, by whatever. */
+  private follow(): void {
+    this.paint();
+    this.stir();
   }
 
   private controls(): HTMLElement[] {
     const hint = 'Ω_t: how large an error may look; a tile with a larger one is replaced by those below';
-    this.choice = new Choice<Colors>('Colours', [['own', 'Own'], ['group', 'Group'], ['depth', 'Depth']], (c) => this.paint(c));
-    this.choice.set(this.colors);
+    const options = this.options!;
+    const choice = new Choice<Colors>('Colours', [['own', 'Own'], ['group', 'Group'], ['depth', 'Depth']], (colors) => options.set({ colors }));
     const [freeze, box] = check('Keep the tiles there are', 'F', (on) => this.freeze(on));
     box.dataset['freeze'] = '';
     return [
-      part('Detail', slider({ label: 'Error Ω_t', unit: 'px', from: 0.5, to: 500, log: true, value: this.error, hint }, (v) => this.target(v)), freeze),
-      part('Colours', this.choice.element),
+      part('Detail', options.slider('error', { label: 'Error Ω_t', unit: 'px', from: 0.5, to: 500, log: true, value: defaults.error, hint }), freeze),
+      part('Colours', options.control(choice.element, () => choice.set(this.colors))),
       part('Now', this.facts.element),
     ];
-  }
-
-  private target(pixels: number): void {
-    this.error = pixels;
-    this.stir();
   }
 
   private freeze(on: boolean): void {
@@ -169,7 +183,7 @@ class TilesMode implements Mode {
     const { tiles, host } = this;
     if (!tiles || !host) return;
     const { stage } = host;
-    tiles.errorTarget = this.error;
+    tiles.errorTarget = this.values.error;
     stage.camera.updateMatrixWorld();
     if (!this.frozen) {
       tiles.setResolution(stage.camera, stage.canvas.width, stage.canvas.height);
@@ -186,7 +200,7 @@ class TilesMode implements Mode {
     const busy = queued + downloading + parsing;
     const { triangles, objects } = this.count();
     const failed = Math.max(this.failures.length, refused);
-    const angle = (this.error / host.stage.canvas.height) * 2 * Math.tan(MathUtils.degToRad(FOV) / 2);
+    const angle = (this.values.error / host.stage.canvas.height) * 2 * Math.tan(MathUtils.degToRad(FOV) / 2);
     facts.set('Ω_t', `${number(angle)} rad`);
     facts.set('Tiles', count(visible));
     facts.set('Objects', count(objects));
@@ -228,9 +242,7 @@ class TilesMode implements Mode {
     this.stir();
   }
 
-  private paint(colors: Colors): void {
-    this.colors = colors;
-    this.choice?.set(colors);
+  private paint(): void {
     this.tiles?.forEachLoadedModel((scene, tile) => this.dress(scene, tile));
     this.host?.stage.invalidate();
   }

@@ -7,9 +7,8 @@ import { clay, meshesOf } from './paint';
 
 const loader = new GLTFLoader();
 
-/** Fetches and parses a GLB of the server. */
-export async function load(path: string): Promise<Group> {
-  const buffer = await api.buffer(path);
+/** Parses a GLB of the server. */
+async function parsed(buffer: ArrayBuffer): Promise<Group> {
   const gltf = await loader.parseAsync(buffer, '');
   const bare = !(gltf.parser.json as { materials?: unknown[] }).materials?.length;
   for (const mesh of meshesOf(gltf.scene)) {
@@ -33,14 +32,13 @@ export function triangles(root: Group): number {
 export class Shelf {
   private readonly kept = new Map<string, Promise<Group>>();
 
-  get(path: string): Promise<Group> {
-    let group = this.kept.get(path);
-    if (!group) {
-      group = load(path);
-      this.kept.set(path, group);
-      // What failed may be asked for again.
-      group.catch(() => this.kept.delete(path));
-    }
+  get(path: string, fetch: (path: string) => Promise<ArrayBuffer> = api.buffer): Promise<Group> {
+    const known = this.kept.get(path);
+    if (known) return known;
+    const group = fetch(path).then(parsed);
+    this.kept.set(path, group);
+    // What failed or was broken off may be asked for again.
+    group.catch(() => this.kept.get(path) === group && this.kept.delete(path));
     return group;
   }
 

@@ -57,7 +57,7 @@ export function twin<T extends Object3D>(root: T): T {
 
 function materialOf(mesh: Mesh, { look, flat, heat }: Finish): Material | Material[] {
   const read = own(mesh);
-  if (heat) return shared(`heat${flat}`, () => new MeshLambertMaterial({ vertexColors: true, flatShading: flat, side: DoubleSide }));
+  if (heat) return colored(flat);
   if (look === 'normals') return shared(`normals${flat}`, () => normals(flat));
   if (look === 'uv') return mesh.geometry.hasAttribute('uv') ? shared(`uv${flat}`, () => checker(flat)) : clay(flat);
   if (look === 'clay') return clay(flat);
@@ -76,6 +76,11 @@ function shared<T extends Material>(name: string, make: () => T): Material {
 export function clay(flat: boolean): Material {
   const make = () => new MeshStandardMaterial({ color: 0xb9bdc6, roughness: 0.62, metalness: 0, flatShading: flat, side: DoubleSide });
   return shared(`clay${flat}`, make);
+}
+
+/** The colours of the vertices, in the light. */
+export function colored(flat: boolean): Material {
+  return shared(`heat${flat}`, () => new MeshLambertMaterial({ vertexColors: true, flatShading: flat, side: DoubleSide }));
 }
 
 /** Normals as colours; backs, which should not be seen of a closed surface, are orange. */

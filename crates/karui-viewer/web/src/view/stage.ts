@@ -26,6 +26,8 @@ export class Stage {
   readonly controls: OrbitControls;
   /** Around what is shown. */
   readonly bounds = new Sphere(new Vector3(), 1);
+  /** Around what is shown besides, and is not to be clipped either. */
+  readonly besides = new Set<Sphere>();
   panes: Pane[] = [];
   /** Called before every picture. */
   readonly before = new Set<() => void>();
@@ -141,6 +143,13 @@ export class Stage {
     camera.aspect = aspect;
     camera.near = Math.max(distance - 1.5 * radius, 1e-3 * radius, 1e-4 * distance);
     camera.far = distance + 1.5 * radius;
+    camera.updateMatrixWorld();
+    for (const sphere of this.besides) {
+      const depth = -sphere.center.clone().applyMatrix4(camera.matrixWorldInverse).z;
+      if (depth + sphere.radius < 1e-3 * radius) continue;
+      camera.near = Math.min(camera.near, Math.max(depth - sphere.radius, 1e-3 * radius));
+      camera.far = Math.max(camera.far, depth + sphere.radius);
+    }
     camera.updateProjectionMatrix();
   }
 
