@@ -121,10 +121,10 @@ async function slide(page, label, to) {
   }, String(to));
 }
 
-/** What every control of the panel says. */
+/** What every control of the panel says; a slider what it is set to, not where its handle is rounded to. */
 const controls = (page) => probe(page, () => [...document.querySelectorAll(".panel :is(input, select, [role=radio])")].map((control) => {
   const label = control.closest("label, .field")?.textContent ?? control.textContent;
-  const value = control.type === "checkbox" ? control.checked : control.getAttribute("aria-checked") ?? control.value;
+  const value = control.type === "checkbox" ? control.checked : control.getAttribute("aria-checked") ?? control.getAttribute("aria-valuetext") ?? control.value;
   return [label, value];
 }));
 
@@ -300,12 +300,17 @@ const tests = {
   },
 
   async permalink() {
-    await withPage([ASSET], "#look=normals&flat=1&wire=1", async (page) => {
+    // Nonsense in an address does not keep the page from the rest of it.
+    const nonsense = "&toString=1&level=x&live=constructor:1,__proto__:2,half-edge.area:,kind:none";
+    await withPage([ASSET], `#look=normals&flat=1&wire=1${nonsense}`, async (page) => {
       await ready(page);
       equal(await probe(page, () => [window.karui.state.look, window.karui.state.flat, window.karui.state.wire]), ["normals", true, true], "state from the address");
+      equal(await probe(page, () => window.karui.state.level), 0, "level, of which there was none in the address");
+      await shot(page, "normals");
       await page.evaluate(() => window.karui.set({ look: "clay" }));
       await page.waitForFunction(() => location.hash.includes("look=clay"), undefined, WAIT);
-      await shot(page, "normals");
+      await page.evaluate(() => window.karui.set({ tab: "live" }));
+      await page.waitForFunction(() => window.karui.ready && window.karui.live?.options.area === 100, undefined, WAIT);
     });
   },
 
@@ -327,7 +332,7 @@ const tests = {
       equal((await jobs(url)).filter((state) => state === "cancelled").length, 2, "jobs cancelled, the first and what another map took the place of");
       equal(await probe(page, () => document.querySelector(".toasts").innerText), "", "what was broken off is no error");
       const other = await open(`${url}#heat=hybrid`);
-      await other.waitForFunction(() => window.karui?.waiting, undefined, WAIT);
+      await other.waitForFunction(() => window.karui?.waiting?.stage === "views", undefined, WAIT);
       await other.close();
       await lastJob(url, "cancelled");
     });

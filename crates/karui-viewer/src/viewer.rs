@@ -4,6 +4,7 @@ use crate::api::router;
 use crate::error::{Error, Result};
 use crate::file::{Content, File};
 use crate::shared::Shared;
+use axum::serve::ListenerExt as _;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -89,6 +90,8 @@ impl Viewer {
             .build()?;
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
+            // A frame that waits for more to send with it comes late; without it, it comes.
+            let listener = listener.tap_io(|io| drop(io.set_nodelay(true)));
             let server = axum::serve(listener, router(Arc::clone(&shared)));
             tokio::select! {
                 ended = server.into_future() => ended,

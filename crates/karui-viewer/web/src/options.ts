@@ -32,7 +32,7 @@ function written<T extends Record<string, Value>>(values: T, { defaults }: About
 function read<T extends Record<string, Value>>(text: string, { defaults, words }: About<T>): T {
   const values: Record<string, Value> = { ...defaults };
   for (const [name, value] of text.split(',').map((pair) => pair.split(':') as [string, string?])) {
-    const usual = defaults[name];
+    const usual = Object.hasOwn(defaults, name) ? defaults[name] : undefined;
     if (value === undefined || usual === undefined) continue;
     const own = (words as Record<string, readonly string[]>)[name];
     if (typeof usual === 'boolean') values[name] = value === '1';

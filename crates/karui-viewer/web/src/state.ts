@@ -81,7 +81,7 @@ function read<K extends keyof State>(key: K, text: string): State[K] {
 export function fromHash(hash: string): State {
   const state: State = { ...DEFAULTS };
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ''))) {
-    if (key in DEFAULTS) Object.assign(state, { [key]: read(key as keyof State, text) });
+    if (Object.hasOwn(DEFAULTS, key)) Object.assign(state, { [key]: read(key as keyof State, text) });
   }
   return state;
 }

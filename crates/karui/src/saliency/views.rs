@@ -166,7 +166,13 @@ pub fn multi_view(
         step(progress, "views", fraction)?;
         let looks: Vec<_> = part
             .par_iter()
-            .map_init(|| judge.clone(), |judge, &d| stage.look(d, judge))
+            .map_init(
+                || judge.clone(),
+                |judge, &d| match progress.cancelled() {
+                    true => Err(Error::Cancelled),
+                    false => stage.look(d, judge),
+                },
+            )
             .collect::<Result<_>>()?;
         // In the order of the views, whoever was first to be done.
         for look in &looks {

@@ -15,18 +15,23 @@ const OKABE_ITO: readonly Rgb[] = [
 /** From coarse to fine: cividis, which rises in brightness throughout. */
 const CIVIDIS: readonly Rgb[] = [[0, 32, 76], [49, 68, 107], [87, 93, 109], [124, 123, 120], [166, 157, 117], [211, 193, 100], [255, 233, 69]];
 
-/** Brightness of a cluster's colour, least and most. */
-const [DARK, BRIGHT] = [0.55, 1.0];
+/** Brightness of a cluster's colour, least and most; share of white in it, at most. */
+const [DARK, BRIGHT, PALE] = [0.5, 1.0, 0.3];
 
-/** The golden ratio of 2³², odd: what follows each other is far apart, and no two meet. */
-const SCATTER = 0x9e3779b1;
+/** Numbers in a row become numbers far apart, no two the same (A. Appleby: MurmurHash3, 2011). */
+function scattered(number: number): number {
+  let hash = Math.imul(number ^ (number >>> 16), 0x85ebca6b);
+  hash = Math.imul(hash ^ (hash >>> 13), 0xc2b2ae35);
+  return (hash ^ (hash >>> 16)) >>> 0;
+}
 
 /** The colour of a cluster, from its number in the graph alone: neighbours have numbers in a row. */
 export function ofCluster(cluster: number): Rgb {
-  const hash = Math.imul(cluster + 1, SCATTER) >>> 0;
+  const hash = scattered(cluster + 1);
+  const [bright, pale] = [DARK + (BRIGHT - DARK) * ((hash >>> 24) / 255), PALE * (((hash >>> 16) & 255) / 255)];
+  const mixed = (x: number) => bright * (x + pale * (255 - x));
   const [r, g, b] = OKABE_ITO[hash % OKABE_ITO.length]!;
-  const bright = DARK + (BRIGHT - DARK) * ((hash >>> 16) / 0xffff);
-  return [r * bright, g * bright, b * bright];
+  return [mixed(r), mixed(g), mixed(b)];
 }
 
 /** The colour of a level, 0 the finest of so many. */

@@ -8,7 +8,7 @@ import type { Stage } from '../view/stage';
 import type { Knob } from './controls';
 
 /** Where it stands at first, as options: degrees around and up, radii of the model away from its middle. */
-export const LAMP = { around: -40, up: 45, away: 1.35 };
+export const LAMP = { around: 0, up: 35, away: 1.35 };
 
 /** Size of the bulb, radii of the model. */
 const BULB = 0.045;

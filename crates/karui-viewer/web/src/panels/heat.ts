@@ -62,6 +62,7 @@ export class HeatPanel {
       this.asked = '';
       return this.refresh();
     }
+    this.pick.value = this.host.store.state.heat;
     this.bar.value = report.fraction;
     this.far.textContent = `${report.stage}, ${percent(Math.round(100 * report.fraction) / 100)}`;
     if (!begins) return;
@@ -97,9 +98,11 @@ export class HeatPanel {
     bar.style.background = `linear-gradient(to right, ${colors.join(', ')})`;
     const { diagonal, unit: metre } = this.display.file;
     const own = metre ?? 'model units';
-    const share = kind === 'error' && diagonal > 0 ? ` ${own} (${percent(max / diagonal)} of the diagonal)` : '';
-    const ends = h('div', { class: 'ends' }, h('span', {}, number(min)), h('span', {}, number(max) + share));
-    const mean = kind === FLIP ? h('div', { class: 'mean' }, this.told()) : null;
+    const length = kind === 'error' ? ` ${own}` : '';
+    const ends = h('div', { class: 'ends' }, h('span', {}, number(min)), h('span', {}, number(max) + length));
+    const share = kind === 'error' && diagonal > 0 ? `at most ${percent(max / diagonal)} of the diagonal` : '';
+    const more = kind === FLIP ? this.told() : share;
+    const mean = more ? h('div', { class: 'mean' }, more) : null;
     this.legend.replaceChildren(h('figcaption', { title: what }, name), bar, ends, ...(mean ? [mean] : []));
   }
 }
