@@ -6,9 +6,10 @@
 //! the lowest floor that the budget allows. Two queues find it from any other,
 //! as in M. Duchaineau et al.: ROAMing Terrain, 1997.
 
+use super::front::Front;
 use super::{Budget, Change, Cut};
 use crate::hierarchy::criteria::Keep;
-use rayon::prelude::*;
+use crate::hierarchy::node::Bounds;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::time::Instant;
@@ -61,30 +62,14 @@ impl Cut<'_> {
     }
 
     fn queues(&self, frame: &impl Keep) -> Queues {
-        let entry = |&n: &u32| (self.worth(frame, n), n);
-        let all = |list: &[u32]| {
-            list.par_iter()
-                .with_min_len(2048)
-                .map(entry)
-                .collect::<Vec<_>>()
-        };
-        let low = all(self.collapsible.nodes()).into_iter().map(Reverse);
-        let high = all(self.splittable.nodes()).into_iter().filter(|e| e.0 > 0);
+        let all = |front: &Front| front.ask_each(|bounds| worth(frame, bounds));
+        let low = all(&self.collapsible).into_iter().map(Reverse);
+        let high = all(&self.splittable).into_iter().filter(|e| e.0 > 0);
         Queues {
             low: low.collect(),
             high: high.collect(),
             floor: 0,
             tests: self.front_len(),
-        }
-    }
-
-    fn worth(&self, frame: &impl Keep, node: u32) -> u64 {
-        let bounds = self.node(node).cover.bounds();
-        if frame.keep(&bounds) {
-            // Above 0 even where nothing is to be seen of it.
-            frame.area(&bounds).max(f64::MIN_POSITIVE).to_bits()
-        } else {
-            0
         }
     }
 
@@ -130,12 +115,21 @@ impl Cut<'_> {
     fn look_again(&mut self, frame: &impl Keep, queues: &mut Queues) {
         while let Some(node) = self.fresh.pop() {
             queues.tests += 1;
-            let worth = self.worth(frame, node);
+            let worth = worth(frame, &self.node(node).cover.bounds());
             if self.is_active(node) {
                 queues.low.push(Reverse((worth, node)));
             } else if worth > 0 {
                 queues.high.push((worth, node));
             }
         }
+    }
+}
+
+fn worth(frame: &impl Keep, bounds: &Bounds) -> u64 {
+    if frame.keep(bounds) {
+        // Above 0 even where nothing is to be seen of it.
+        frame.area(bounds).max(f64::MIN_POSITIVE).to_bits()
+    } else {
+        0
     }
 }

@@ -58,6 +58,13 @@ impl Front {
         self.due.fill(f64::NEG_INFINITY);
     }
 
+    /// All nodes, each with what `answer` says to what it covers. Shared among threads.
+    pub fn ask_each<T: Send>(&self, answer: impl Fn(&Bounds) -> T + Sync) -> Vec<(T, u32)> {
+        let each = self.nodes.par_iter().zip(&self.covers).with_min_len(BATCH);
+        each.map(|(&node, cover)| (answer(&cover.bounds()), node))
+            .collect()
+    }
+
     /// The nodes to be asked when the odometer reads `now`, with what `answer`
     /// says to what they cover. Batches are shared among threads.
     pub fn ask<T: Send>(&self, now: f64, answer: impl Fn(&Bounds) -> T + Sync) -> Vec<(u32, T)> {
