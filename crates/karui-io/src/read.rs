@@ -7,7 +7,7 @@ use crate::{
     source::{Source, inflated, load},
     stl,
 };
-use karui::{PolyMesh, Scene, TriMesh};
+use karui::{PolyMesh, Scene};
 use std::path::Path;
 
 /// How to read.
@@ -127,24 +127,8 @@ pub(crate) fn poly_of(format: Format, source: &mut Source<'_>) -> Result<PolyMes
         Format::Off => off::read(source),
         Format::Stl | Format::Gltf | Format::Glb => {
             let whole = scene_of(format, source)?.into_single_mesh();
-            Ok(polygons(whole.map_err(|e| Error::file("", e.into()))?))
+            Ok(whole.map_err(|e| Error::file("", e.into()))?.into())
         }
-    }
-}
-
-/// Triangles as polygons.
-fn polygons(mesh: TriMesh) -> PolyMesh {
-    let mut face_materials = Vec::new();
-    for range in &mesh.ranges {
-        face_materials.resize(face_materials.len() + range.count as usize, range.material);
-    }
-    PolyMesh {
-        offsets: (0..=mesh.triangles.len()).map(|t| 3 * t as u32).collect(),
-        indices: mesh.triangles.into_flattened(),
-        positions: mesh.positions,
-        attributes: mesh.attributes,
-        face_attributes: mesh.face_attributes,
-        face_materials,
     }
 }
 

@@ -6,15 +6,14 @@
 
 use crate::errors::{InputError, input_error};
 use bytemuck::{NoUninit, Pod, cast_slice};
-use karui::TriMesh;
-use numpy::{Element, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray};
-use numpy::{PyUntypedArrayMethods, dtype};
+use numpy::{Element, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods, dtype};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+use std::{any::Any, sync::Arc};
 
 /// Anything that numpy makes an array of.
-fn array<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+pub fn array<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     let made = given
         .py()
         .import("numpy")?
@@ -91,21 +90,45 @@ pub fn flags(what: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Ve
     Ok(Some(values.as_array().iter().copied().collect()))
 }
 
+/// `count` numbers: those given, or the one given for all.
+pub fn repeated(what: &str, given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f32>> {
+    if array(what, given)?.ndim() == 0 {
+        return Ok(vec![given.extract()?; count]);
+    }
+    let all: Vec<f32> = floats(what, given, 0)?;
+    match all.len() == count {
+        true => Ok(all),
+        false => {
+            let found = format!("of {} numbers", all.len());
+            Err(input_error(
+                what,
+                &found,
+                &format!("one number, or {count}"),
+            ))
+        }
+    }
+}
+
 /// Triples of vertex numbers, of any integer type.
 pub fn triangles(given: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
-    let (what, py) = ("triangles", given.py());
+    indices("triangles", given, 3)
+}
+
+/// Numbers of vertices or the like, of any integer type, in rows of `columns`; 0 stands for an
+/// array of one dimension.
+pub fn indices<T: Pod>(what: &str, given: &Bound<'_, PyAny>, columns: usize) -> PyResult<Vec<T>> {
     let array = array(what, given)?;
     if array.len() > 0 {
         must_be(what, &array, b"iu", "of integers")?;
     }
-    if array.dtype().is_equiv_to(&dtype::<u32>(py)) {
-        let values = values::<u32>(what, &array, 3)?;
+    if array.dtype().is_equiv_to(&dtype::<u32>(given.py())) {
+        let values = values::<u32>(what, &array, columns)?;
         let slice = values
             .as_slice()
             .map_err(|e| InputError::new_err(e.to_string()))?;
         return Ok(cast_slice(slice).to_vec());
     }
-    let values = values::<i64>(what, &array, 3)?;
+    let values = values::<i64>(what, &array, columns)?;
     let narrow = |&wide: &i64| {
         u32::try_from(wide)
             .map_err(|_| input_error(what, &format!("{wide} somewhere"), "0 or more"))
@@ -116,6 +139,38 @@ pub fn triangles(given: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
         .map(narrow)
         .collect::<PyResult<_>>()?;
     Ok(cast_slice(&all).to_vec())
+}
+
+/// Faces of any number of corners, as rows of an array or as sequences, one each: the corners of
+/// all, and where each begins.
+pub fn faces(given: &Bound<'_, PyAny>) -> PyResult<(Vec<u32>, Vec<u32>)> {
+    let what = "faces";
+    let (corners, sizes): (Vec<u32>, Vec<usize>) = match given.cast::<PyUntypedArray>() {
+        Ok(array) if array.ndim() == 2 => {
+            let [rows, columns] = [array.shape()[0], array.shape()[1]];
+            // Without columns it is refused by its shape.
+            (indices(what, given, columns.max(1))?, vec![columns; rows])
+        }
+        _ => {
+            let refused = |e: PyErr| {
+                let expected = "a sequence of sequences of vertex numbers";
+                InputError::new_err(format!("`{what}` must be {expected}: {e}"))
+            };
+            let all: Vec<Vec<u32>> = given.extract().map_err(refused)?;
+            let sizes = all.iter().map(Vec::len).collect();
+            (all.concat(), sizes)
+        }
+    };
+    if u32::try_from(corners.len()).is_err() {
+        let found = format!("of {} corners in all", corners.len());
+        return Err(input_error(what, &found, "of fewer than 2^32"));
+    }
+    let mut end = 0;
+    let ends = sizes.iter().map(|&size| {
+        end += size as u32;
+        end
+    });
+    Ok((corners, std::iter::once(0).chain(ends).collect()))
 }
 
 /// Values of their own type, and how many there are to an element.
@@ -151,10 +206,10 @@ pub fn custom(what: &str, given: &Bound<'_, PyAny>) -> PyResult<karui::mesh::Att
     })
 }
 
-/// Part of a mesh's memory, for numpy: it takes the array interface and keeps this object.
+/// Part of an object's memory, for numpy: it takes the array interface and keeps this object.
 #[pyclass(frozen, module = "karui")]
 struct View {
-    _mesh: Arc<TriMesh>,
+    _owner: Arc<dyn Any + Send + Sync>,
     pointer: usize,
     shape: Vec<usize>,
     format: Py<PyAny>,
@@ -174,14 +229,20 @@ impl View {
     }
 }
 
-/// A read-only array over memory of `mesh`: rows of `columns`, or of one dimension if 0.
-pub fn view<'py, S: Element + NoUninit + Pod, T: NoUninit>(
+/// A read-only array over memory of `owner`, a mesh or the like: rows of `columns`, or of one
+/// dimension if 0.
+pub fn view<'py, S, T, O>(
     py: Python<'py>,
-    mesh: &Arc<TriMesh>,
+    owner: &Arc<O>,
     columns: usize,
-    part: impl FnOnce(&TriMesh) -> &[T],
-) -> PyResult<Bound<'py, PyAny>> {
-    let scalars: &[S] = cast_slice(part(mesh));
+    part: impl FnOnce(&O) -> &[T],
+) -> PyResult<Bound<'py, PyAny>>
+where
+    S: Element + NoUninit + Pod,
+    T: NoUninit,
+    O: Any + Send + Sync,
+{
+    let scalars: &[S] = cast_slice(part(owner));
     let rows = scalars.len() / columns.max(1);
     let shape = match columns {
         0 => vec![rows],
@@ -191,7 +252,17 @@ pub fn view<'py, S: Element + NoUninit + Pod, T: NoUninit>(
         pointer: scalars.as_ptr().expose_provenance(),
         shape,
         format: dtype::<S>(py).getattr("str")?.unbind(),
-        _mesh: Arc::clone(mesh),
+        _owner: Arc::<O>::clone(owner),
     };
     py.import("numpy")?.call_method1("asarray", (view,))
+}
+
+/// An array that takes rows over, without a copy.
+pub fn owned<T: Element, const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; N]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let shape = [rows.len(), N];
+    let flat = PyArray1::from_vec(py, rows.into_flattened());
+    Ok(flat.reshape(shape)?.into_any())
 }

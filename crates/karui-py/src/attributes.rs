@@ -2,12 +2,30 @@
 
 use crate::arrays::{custom, floats, view};
 use crate::errors::InputError;
-use karui::TriMesh;
-use karui::mesh::{Attribute, AttributeValues, SkinWeights};
+use karui::mesh::{Attribute, AttributeValues, Attributes, SkinWeights};
+use karui::{PolyMesh, TriMesh};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+use std::{any::Any, sync::Arc};
+
+/// What has attributes of vertices.
+pub trait Carrier: Any + Send + Sync {
+    /// Those.
+    fn attributes(&self) -> &Attributes;
+}
+
+impl Carrier for TriMesh {
+    fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+}
+
+impl Carrier for PolyMesh {
+    fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+}
 
 /// `TEXCOORD_1` is set 1 of `TEXCOORD`.
 fn set_of(name: &str) -> Option<(&str, usize)> {
@@ -54,7 +72,7 @@ pub fn dictionary<'py>(py: Python<'py>, mesh: &Arc<TriMesh>) -> PyResult<Bound<'
         all.set_item("NORMAL", normals)?;
     }
     if mesh.attributes.tangents.is_some() {
-        let tangents = view::<f32, _>(py, mesh, 4, |m| {
+        let tangents = view::<f32, _, _>(py, mesh, 4, |m| {
             m.attributes.tangents.as_deref().unwrap_or_default()
         });
         all.set_item("TANGENT", tangents?)?;
@@ -90,30 +108,30 @@ pub fn face_dictionary<'py>(py: Python<'py>, mesh: &Arc<TriMesh>) -> PyResult<Bo
 type Array<'py> = Option<Bound<'py, PyAny>>;
 
 /// Normals, if there are any.
-pub fn normals<'py>(py: Python<'py>, mesh: &Arc<TriMesh>) -> PyResult<Array<'py>> {
-    if mesh.attributes.normals.is_none() {
+pub fn normals<'py>(py: Python<'py>, mesh: &Arc<impl Carrier>) -> PyResult<Array<'py>> {
+    if mesh.attributes().normals.is_none() {
         return Ok(None);
     }
-    view::<f32, _>(py, mesh, 3, |m| {
-        m.attributes.normals.as_deref().unwrap_or_default()
+    view::<f32, _, _>(py, mesh, 3, |m| {
+        m.attributes().normals.as_deref().unwrap_or_default()
     })
     .map(Some)
 }
 
 /// One set of texture coordinates, if it is there.
-pub fn uvs<'py>(py: Python<'py>, mesh: &Arc<TriMesh>, set: usize) -> PyResult<Array<'py>> {
-    if set >= mesh.attributes.uvs.len() {
+pub fn uvs<'py>(py: Python<'py>, mesh: &Arc<impl Carrier>, set: usize) -> PyResult<Array<'py>> {
+    if set >= mesh.attributes().uvs.len() {
         return Ok(None);
     }
-    view::<f32, _>(py, mesh, 2, |m| &m.attributes.uvs[set]).map(Some)
+    view::<f32, _, _>(py, mesh, 2, |m| &m.attributes().uvs[set]).map(Some)
 }
 
 /// One set of colours, if it is there.
-pub fn colors<'py>(py: Python<'py>, mesh: &Arc<TriMesh>, set: usize) -> PyResult<Array<'py>> {
-    if set >= mesh.attributes.colors.len() {
+pub fn colors<'py>(py: Python<'py>, mesh: &Arc<impl Carrier>, set: usize) -> PyResult<Array<'py>> {
+    if set >= mesh.attributes().colors.len() {
         return Ok(None);
     }
-    view::<f32, _>(py, mesh, 4, |m| &m.attributes.colors[set]).map(Some)
+    view::<f32, _, _>(py, mesh, 4, |m| &m.attributes().colors[set]).map(Some)
 }
 
 /// Joints and weights, copied: they lie between each other.
@@ -139,7 +157,7 @@ fn of_any_type<'py>(
     macro_rules! typed {
         ($($variant:ident $scalar:ty,)*) => {
             match &attribute(mesh).values {
-                $(AttributeValues::$variant(_) => view::<$scalar, _>(py, mesh, columns, |m| {
+                $(AttributeValues::$variant(_) => view::<$scalar, _, _>(py, mesh, columns, |m| {
                     match &attribute(m).values {
                         AttributeValues::$variant(values) => values,
                         _ => &[],

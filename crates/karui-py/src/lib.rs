@@ -19,6 +19,7 @@ mod result;
 mod saliency;
 mod scene;
 mod simplify;
+mod subdiv;
 mod whole_file;
 
 /// Compiled part of karui; use `karui`.
@@ -46,6 +47,10 @@ mod _karui {
     use super::scene::{Scene, read, write};
     #[pymodule_export]
     use super::simplify::{Simplified, simplify};
+    #[pymodule_export]
+    use super::subdiv::subdivide::subdivide;
+    #[pymodule_export]
+    use super::subdiv::{Adaptive, AdaptiveMesh, ControlMesh, Limits, Polygons, Refinement};
 
     /// Version of the package; workers of a cluster must have the same.
     #[pymodule_export]

@@ -2,8 +2,9 @@
 
 use crate::arrays::{custom, floats, triangles, view};
 use crate::attributes::{self, add};
-use crate::errors::Raise;
+use crate::errors::{Raise, input_error};
 use crate::progress::run;
+use crate::subdiv::Polygons;
 use karui::{Scene, TriMesh};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -91,13 +92,13 @@ impl Mesh {
     /// (n, 3) float32, model units; a read-only view.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        view::<f32, _>(py, &self.0, 3, |m| &m.positions)
+        view::<f32, _, _>(py, &self.0, 3, |m| &m.positions)
     }
 
     /// (m, 3) uint32, counter-clockwise seen from outside; a read-only view.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        view::<u32, _>(py, &self.0, 3, |m| &m.triangles)
+        view::<u32, _, _>(py, &self.0, 3, |m| &m.triangles)
     }
 
     /// (n, 3) float32 of length 1, or None; a read-only view.
@@ -153,8 +154,9 @@ pub fn bare_scene(mesh: &TriMesh) -> Scene {
     Scene::from_mesh(mesh)
 }
 
-/// A mesh as functions take it: a Mesh, a pair of arrays, or what has `vertices` and `faces`
-/// (trimesh) or `points` and `regular_faces` (pyvista), of which only the shape is taken.
+/// A mesh as functions take it: a Mesh, Polygons, which are cut into triangles, a pair of arrays,
+/// or what has `vertices` and `faces` (trimesh) or `points` and `regular_faces` (pyvista), of which
+/// only the shape is taken.
 pub struct MeshLike(pub Arc<TriMesh>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for MeshLike {
@@ -164,24 +166,33 @@ impl<'a, 'py> FromPyObject<'a, 'py> for MeshLike {
         if let Ok(mesh) = given.cast::<Mesh>() {
             return Ok(Self(Arc::clone(&mesh.get().0)));
         }
-        let (positions, faces) = arrays_of(&given)?;
+        if let Ok(polygons) = given.cast::<Polygons>() {
+            return Ok(Self(Arc::new(polygons.get().triangulated())));
+        }
+        let (positions, faces) = arrays_of("mesh", &given, MESHES)?;
         let mesh = Mesh::of_arrays(&positions, &faces)?;
         mesh.validate().map_err(Raise::raise)?;
         Ok(Self(Arc::new(mesh)))
     }
 }
 
+const MESHES: &str = "a karui.Mesh, a pair (positions, triangles) of arrays, karui.Polygons, or a \
+    mesh of trimesh or pyvista";
+
 type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-fn arrays_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Pair<'py>> {
+/// Positions and faces of a pair, or of another package's mesh.
+pub fn arrays_of<'py>(
+    what: &str,
+    given: &Bound<'py, PyAny>,
+    expected: &str,
+) -> PyResult<Pair<'py>> {
     for (positions, faces) in [("vertices", "faces"), ("points", "regular_faces")] {
         if given.hasattr(positions)? && given.hasattr(faces)? {
             return Ok((given.getattr(positions)?, given.getattr(faces)?));
         }
     }
-    given.extract().map_err(|_| {
-        let found = format!("a {}", given.get_type());
-        let expected = "a karui.Mesh, a pair (positions, triangles) of arrays, or a mesh of trimesh or pyvista";
-        crate::errors::input_error("mesh", &found, expected)
-    })
+    given
+        .extract()
+        .map_err(|_| input_error(what, &format!("a {}", given.get_type()), expected))
 }

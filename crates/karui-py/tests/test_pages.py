@@ -9,7 +9,11 @@ from conftest import CLOTH, ROOT
 
 PAGE = ROOT / "docs" / "python.md"
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-EXAMPLES = {"trimesh_lod.py": "trimesh", "pyvista_saliency.py": "pyvista"}
+EXAMPLES = {
+    "trimesh_lod.py": "trimesh",
+    "trimesh_subdivide.py": "trimesh",
+    "pyvista_saliency.py": "pyvista",
+}
 
 
 def blocks():

@@ -7,15 +7,21 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "__version__",
+    "Adaptive",
+    "AdaptiveMesh",
     "Camera",
     "Change",
+    "ControlMesh",
     "Cut",
     "Distance",
     "Hierarchy",
     "Level",
+    "Limits",
     "Mesh",
     "OneWay",
     "Plan",
+    "Polygons",
+    "Refinement",
     "Scene",
     "Simplified",
     "Summary",
@@ -26,6 +32,7 @@ __all__ = [
     "saliency",
     "saliency_weights",
     "simplify",
+    "subdivide",
     "vertex_distances",
     "write",
 ]
@@ -33,6 +40,7 @@ __all__ = [
 __version__: str
 
 _Floats = NDArray[np.float32]
+_Indices = NDArray[np.uint32]
 _Point = Sequence[float]
 _Path = Union[str, PathLike[str]]
 _Progress = Callable[[str, float], Any]
@@ -43,6 +51,13 @@ _Kind = Literal[
 ]
 _Stopped = Literal[
     "target", "error", "exhausted", "locked", "topology", "seams", "flips"
+]
+_SubdivScheme = Literal["catmull-clark", "sqrt2", "sqrt3", "loop", "bilinear"]
+_Boundary = Literal["none", "edge", "corner"]
+_CreaseMethod = Literal["uniform", "chaikin"]
+_TriangleRule = Literal["catmull-clark", "smooth"]
+_UvRule = Literal[
+    "none", "corners-only", "corners-plus1", "corners-plus2", "boundaries", "all"
 ]
 
 class _TrimeshLike(Protocol):
@@ -57,7 +72,19 @@ class _PyvistaLike(Protocol):
     @property
     def regular_faces(self) -> Any: ...
 
-_MeshLike = Union[Mesh, tuple[ArrayLike, ArrayLike], _TrimeshLike, _PyvistaLike]
+_MeshLike = Union[
+    Mesh, Polygons, tuple[ArrayLike, ArrayLike], _TrimeshLike, _PyvistaLike
+]
+_Faces = Union[ArrayLike, Sequence[ArrayLike]]
+_ControlLike = Union[
+    ControlMesh,
+    Mesh,
+    Polygons,
+    tuple[ArrayLike, _Faces],
+    tuple[ArrayLike, ArrayLike, ArrayLike],
+    _TrimeshLike,
+    _PyvistaLike,
+]
 
 @final
 class Mesh:
@@ -345,3 +372,172 @@ class Summary:
     def triangles(self) -> int: ...
     @property
     def error(self) -> float: ...
+
+@final
+class ControlMesh:
+    @staticmethod
+    def from_arrays(
+        positions: ArrayLike,
+        faces: _Faces,
+        offsets: ArrayLike | None = None,
+        *,
+        creases: ArrayLike | None = None,
+        crease_sharpness: ArrayLike | None = None,
+        corners: ArrayLike | None = None,
+        corner_sharpness: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
+        uv_indices: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+    ) -> ControlMesh: ...
+    @staticmethod
+    def read(path: _Path) -> ControlMesh: ...
+    @property
+    def positions(self) -> _Floats: ...
+    @property
+    def indices(self) -> _Indices: ...
+    @property
+    def offsets(self) -> _Indices: ...
+    @property
+    def creases(self) -> _Indices: ...
+    @property
+    def crease_sharpness(self) -> _Floats: ...
+    @property
+    def corners(self) -> _Indices: ...
+    @property
+    def corner_sharpness(self) -> _Floats: ...
+    @property
+    def holes(self) -> _Indices: ...
+    @property
+    def uvs(self) -> _Floats | None: ...
+    @property
+    def uv_indices(self) -> _Indices | None: ...
+    @property
+    def colors(self) -> _Floats | None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+@final
+class Polygons:
+    @property
+    def positions(self) -> _Floats: ...
+    @property
+    def indices(self) -> _Indices: ...
+    @property
+    def offsets(self) -> _Indices: ...
+    @property
+    def faces(self) -> _Indices | None: ...
+    @property
+    def normals(self) -> _Floats | None: ...
+    @property
+    def uvs(self) -> _Floats | None: ...
+    @property
+    def colors(self) -> _Floats | None: ...
+    def to_mesh(self) -> Mesh: ...
+
+def subdivide(
+    cage: _ControlLike,
+    levels: int = 1,
+    scheme: _SubdivScheme = "catmull-clark",
+    *,
+    boundary: _Boundary | None = None,
+    crease_method: _CreaseMethod | None = None,
+    triangle_rule: _TriangleRule | None = None,
+    uv_rule: _UvRule | None = None,
+    limit: bool = False,
+    normals: bool = False,
+    uvs: bool = True,
+    max_faces: int = 268435456,
+    progress: _Progress | None = None,
+) -> Polygons: ...
+
+@final
+class Refinement:
+    def __new__(
+        cls,
+        cage: _ControlLike,
+        levels: int = 1,
+        scheme: _SubdivScheme = "catmull-clark",
+        *,
+        boundary: _Boundary | None = None,
+        crease_method: _CreaseMethod | None = None,
+        triangle_rule: _TriangleRule | None = None,
+        uv_rule: _UvRule | None = None,
+        max_faces: int = 268435456,
+        progress: _Progress | None = None,
+    ) -> Refinement: ...
+    def face_varying(self, indices: ArrayLike, count: int) -> Refinement: ...
+    def evaluate(self, values: ArrayLike) -> _Floats: ...
+    def limits(self, positions: ArrayLike) -> Limits: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def face_count(self) -> int: ...
+    @property
+    def indices(self) -> _Indices: ...
+    @property
+    def offsets(self) -> _Indices: ...
+    @property
+    def faces(self) -> _Indices | None: ...
+    @property
+    def triangles(self) -> _Indices: ...
+    @property
+    def parents(self) -> _Indices: ...
+    @property
+    def holes(self) -> NDArray[np.bool_]: ...
+
+@final
+class Limits:
+    @property
+    def positions(self) -> _Floats: ...
+    @property
+    def tangents(self) -> _Floats: ...
+    @property
+    def normals(self) -> _Floats: ...
+    @property
+    def one_sided(self) -> NDArray[np.bool_]: ...
+
+@final
+class Adaptive:
+    def __new__(
+        cls,
+        cage: _ControlLike,
+        *,
+        boundary: _Boundary | None = None,
+        crease_method: _CreaseMethod | None = None,
+        triangle_rule: _TriangleRule | None = None,
+    ) -> Adaptive: ...
+    def move_cage(self, positions: ArrayLike) -> None: ...
+    def refine(
+        self,
+        camera: Camera,
+        *,
+        size: tuple[int, int] = (1920, 1080),
+        pixels: float | None = None,
+        silhouette_pixels: float | None = None,
+        terminator_pixels: float | None = None,
+        side_pixels: float | None = None,
+        lights: Sequence[_Point] = (),
+        depth_front: int | None = None,
+        depth_silhouette: int | None = None,
+        depth_hidden: int = 0,
+        two_sided: bool = False,
+        limit: bool = True,
+        max_faces: int = 4000000,
+        max_kept: int = 4000000,
+    ) -> AdaptiveMesh: ...
+    @property
+    def kept(self) -> int: ...
+
+@final
+class AdaptiveMesh:
+    @property
+    def mesh(self) -> Polygons: ...
+    @property
+    def parents(self) -> _Indices: ...
+    @property
+    def depths(self) -> NDArray[np.uint8]: ...
+    @property
+    def points(self) -> _Indices: ...
+    @property
+    def truncated(self) -> bool: ...

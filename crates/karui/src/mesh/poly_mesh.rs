@@ -1,5 +1,6 @@
 //! Meshes of polygons with any number of corners.
 
+use super::TriMesh;
 use super::attributes::{Attribute, Attributes};
 use glam::Vec3;
 
@@ -56,5 +57,23 @@ impl PolyMesh {
     pub fn push_face(&mut self, corners: &[u32]) {
         self.indices.extend_from_slice(corners);
         self.offsets.push(self.indices.len() as u32);
+    }
+}
+
+/// Triangles as polygons.
+impl From<TriMesh> for PolyMesh {
+    fn from(mesh: TriMesh) -> Self {
+        let mut face_materials = Vec::new();
+        for range in &mesh.ranges {
+            face_materials.resize(face_materials.len() + range.count as usize, range.material);
+        }
+        Self {
+            offsets: (0..=mesh.triangles.len()).map(|t| 3 * t as u32).collect(),
+            indices: mesh.triangles.into_flattened(),
+            positions: mesh.positions,
+            attributes: mesh.attributes,
+            face_attributes: mesh.face_attributes,
+            face_materials,
+        }
     }
 }

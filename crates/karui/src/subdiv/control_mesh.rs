@@ -1,7 +1,8 @@
 //! A cage with its positions and what else it carries.
 
-use super::cage::Cage;
+use super::cage::{Cage, not_finite};
 use super::options::{Boundary, CreaseMethod, FaceVaryingRule, SubdivOptions, TriangleRule};
+use crate::error::{Error, Result};
 use crate::mesh::{PolyMesh, PositionIds};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -98,6 +99,103 @@ impl ControlMesh {
             uvs,
             face_materials: mesh.face_materials.clone(),
             rules: Rules::default(),
+        }
+    }
+    /// Checks the cage, and that there is as much of everything else as it asks for.
+    ///
+    /// # Errors
+    /// As [`Cage::validate`]; [`Error::LengthMismatch`] and [`Error::NotFinite`] for positions,
+    /// colours and texture coordinates, [`Error::IndexOutOfRange`] for indices of these.
+    pub fn validate(&self) -> Result<()> {
+        self.cage.validate()?;
+        let vertices = self.cage.vertices;
+        check("positions", vertices, &self.positions, |p| p.is_finite())?;
+        if let Some(colors) = &self.colors {
+            check("colors", vertices, colors, |c| c.is_finite())?;
+        }
+        let Some(uvs) = &self.uvs else { return Ok(()) };
+        let count = uvs.values.len();
+        check("texture coordinates", count, &uvs.values, |uv| {
+            uv.is_finite()
+        })?;
+        let corners = self.cage.indices.len();
+        check("texture indices", corners, &uvs.indices, |_| true)?;
+        match uvs.indices.iter().position(|&i| i as usize >= count) {
+            None => Ok(()),
+            Some(corner) => Err(Error::IndexOutOfRange {
+                face: self
+                    .cage
+                    .offsets
+                    .partition_point(|&first| first as usize <= corner)
+                    - 1,
+                index: uvs.indices[corner],
+                vertices: count,
+            }),
+        }
+    }
+}
+
+fn check<T>(
+    what: &'static str,
+    expected: usize,
+    values: &[T],
+    finite: impl Fn(&T) -> bool,
+) -> Result<()> {
+    if values.len() != expected {
+        return Err(Error::LengthMismatch {
+            what: what.into(),
+            expected,
+            found: values.len(),
+        });
+    }
+    match values.iter().position(|value| !finite(value)) {
+        Some(index) => Err(not_finite(what, index)),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> ControlMesh {
+        ControlMesh {
+            cage: Cage {
+                vertices: 4,
+                offsets: vec![0, 4],
+                indices: vec![0, 1, 2, 3],
+                ..Cage::default()
+            },
+            positions: vec![Vec3::ZERO; 4],
+            colors: Some(vec![Vec4::ONE; 4]),
+            uvs: Some(FaceVarying {
+                values: vec![Vec2::ZERO; 2],
+                indices: vec![0, 1, 1, 0],
+            }),
+            ..ControlMesh::default()
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_the_cage_is_refused() {
+        square().validate().unwrap();
+        type Damage = fn(&mut ControlMesh, &mut FaceVarying);
+        let damages: [(Damage, &str); 7] = [
+            (|m, _| m.cage.indices[1] = 4, "4"),
+            (|m, _| m.positions.truncate(3), "3"),
+            (|m, _| m.positions[2].y = f32::NAN, "2"),
+            (|m, _| m.colors = Some(Vec::new()), "0"),
+            (|_, uvs| uvs.values[1].x = f32::INFINITY, "1"),
+            (|_, uvs| uvs.indices.truncate(3), "3"),
+            (|_, uvs| uvs.indices[3] = 9, "9"),
+        ];
+        for (damage, number) in damages {
+            let mut mesh = square();
+            let mut uvs = mesh.uvs.take().unwrap();
+            damage(&mut mesh, &mut uvs);
+            mesh.uvs = Some(uvs);
+            let told = mesh.validate().unwrap_err().to_string();
+            assert!(told.contains(number), "{told}");
         }
     }
 }
