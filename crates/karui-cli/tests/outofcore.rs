@@ -209,6 +209,7 @@ fn urls_are_no_folders() {
         "simplify land.ply --ratio 0.1 --memory-limit 20MiB --work gs://bucket/work -o out.ply",
         "plan show az://bucket/work",
         "task run s3://bucket/work/01-read.tasks --row 0",
+        "tiles land.ply --memory-limit 20MiB -o s3://bucket/tiles",
     ] {
         let ran = folder.fails(2, args);
         assert!(ran.err.contains("--features cloud"), "{ran:?}");

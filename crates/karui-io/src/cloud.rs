@@ -2,8 +2,8 @@
 
 use karui::outofcore::{Error, Result, Store};
 use object_store::{
-    GetOptions, ObjectStore, ObjectStoreExt as _, aws, azure, client::ClientConfigKey, gcp,
-    path::Path,
+    GetOptions, ListResult, ObjectStore, ObjectStoreExt as _, aws, azure, client::ClientConfigKey,
+    gcp, path::Path,
 };
 use std::{fmt, future::Future, io, ops::Range, path::PathBuf, sync::Arc, sync::mpsc};
 use tokio::runtime::{Builder, Runtime};
@@ -19,7 +19,7 @@ const TIMEOUT: &str = "10 minutes";
 /// crate `object_store`; requests that fail for a while are repeated as it does by default.
 /// An object is put by one request, so it is there as a whole or not at all; one that is there
 /// already is put over, which is how a damaged block is made anew. Two that put the same at the
-/// same time put the same bytes.
+/// same time put the same bytes. Names may have folders in them, which [`Store::list`] passes over.
 ///
 /// The connections live on a thread of their own, so that this may be used from any other,
 /// those of an asynchronous program included, which it blocks.
@@ -80,6 +80,13 @@ impl Cloud {
         })
     }
 
+    /// A prefix of a store that tests keep.
+    #[cfg(test)]
+    pub(crate) fn in_memory(bucket: Arc<dyn ObjectStore>, prefix: &str) -> Self {
+        let url = format!("s3://bucket/{prefix}");
+        Self::over(bucket, Path::from(prefix), &url).expect("opened")
+    }
+
     /// The URL, without a slash at its end.
     #[must_use]
     pub fn url(&self) -> &str {
@@ -108,8 +115,37 @@ impl Cloud {
         })
     }
 
+    /// Names of all objects, those with folders in their names as well, in order.
+    ///
+    /// # Errors
+    /// [`Error::Store`].
+    pub fn list_below(&self) -> Result<Vec<String>> {
+        let (mut names, mut folders) = (Vec::new(), vec![self.prefix.clone()]);
+        while let Some(folder) = folders.pop() {
+            let found = self.listed(folder)?;
+            folders.extend(found.common_prefixes);
+            let below = |at: &Path| {
+                let parts = at.prefix_match(&self.prefix)?;
+                let parts: Vec<_> = parts.map(|part| part.as_ref().to_owned()).collect();
+                Some(parts.join("/"))
+            };
+            names.extend(found.objects.iter().filter_map(|o| below(&o.location)));
+        }
+        names.sort_unstable();
+        Ok(names)
+    }
+
+    /// What is in one folder.
+    fn listed(&self, folder: Path) -> Result<ListResult> {
+        let bucket = Arc::clone(&self.bucket);
+        let found = self.wait(async move { bucket.list_with_delimiter(Some(&folder)).await });
+        found.map_err(|e| self.failed("", e))
+    }
+
     fn object(&self, name: &str) -> (Arc<dyn ObjectStore>, Path) {
-        (Arc::clone(&self.bucket), self.prefix.clone().join(name))
+        let parts = name.split('/');
+        let at = parts.fold(self.prefix.clone(), |at, part| at.join(part));
+        (Arc::clone(&self.bucket), at)
     }
 
     fn size(&self, name: &str) -> object_store::Result<u64> {
@@ -189,9 +225,7 @@ impl Store for Cloud {
     }
 
     fn list(&self) -> Result<Vec<String>> {
-        let (bucket, prefix) = (Arc::clone(&self.bucket), self.prefix.clone());
-        let found = self.wait(async move { bucket.list_with_delimiter(Some(&prefix)).await });
-        let found = found.map_err(|e| self.failed("", e))?;
+        let found = self.listed(self.prefix.clone())?;
         let names = found.objects.iter().filter_map(|o| o.location.filename());
         let mut names: Vec<String> = names.map(str::to_owned).collect();
         names.sort_unstable();
@@ -277,9 +311,22 @@ fn told(error: object_store::Error) -> io::Error {
         Cloudy::InvalidPath { .. } | Cloudy::UnknownConfigurationKey { .. } => {
             io::ErrorKind::InvalidInput
         }
+        Cloudy::Generic { .. } => answered(&error.to_string()),
         _ => io::ErrorKind::Other,
     };
     io::Error::new(kind, error)
+}
+
+/// What a server has answered to a list, which the crate keeps in the words of HTTP only. A list
+/// of what there is not is empty, so that only a bucket can be missing.
+fn answered(said: &str) -> io::ErrorKind {
+    let kinds = [
+        ("404 Not Found", io::ErrorKind::NotFound),
+        ("403 Forbidden", io::ErrorKind::PermissionDenied),
+        ("401 Unauthorized", io::ErrorKind::PermissionDenied),
+    ];
+    let found = kinds.iter().find(|(status, _)| said.contains(status));
+    found.map_or(io::ErrorKind::Other, |(_, kind)| *kind)
 }
 
 #[cfg(test)]
@@ -289,7 +336,7 @@ mod tests {
 
     fn cloud() -> Cloud {
         let bucket: Arc<dyn ObjectStore> = Arc::new(InMemory::new());
-        Cloud::over(bucket, Path::from("some/where"), "s3://bucket/some/where").expect("opened")
+        Cloud::in_memory(bucket, "some/where")
     }
 
     #[test]
@@ -358,6 +405,22 @@ mod tests {
             cloud.put("a", b"b").expect("put");
             assert_eq!(cloud.get("a").expect("read"), b"b");
         });
+    }
+
+    #[test]
+    fn what_a_server_answers_to_a_list_is_told_by_kind() {
+        let kind = |said: &str| {
+            let source = said.to_owned().into();
+            told(object_store::Error::Generic {
+                store: "S3",
+                source,
+            })
+            .kind()
+        };
+        let status = |status: &str| kind(&format!("non-2xx status code: {status}: <Error/>"));
+        assert_eq!(status("404 Not Found"), io::ErrorKind::NotFound);
+        assert_eq!(status("403 Forbidden"), io::ErrorKind::PermissionDenied);
+        assert_eq!(status("500 Internal"), io::ErrorKind::Other);
     }
 
     #[test]

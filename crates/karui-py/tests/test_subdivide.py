@@ -1,5 +1,10 @@
 """Surfaces of cages against closed forms."""
 
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import grid
@@ -168,6 +173,12 @@ def test_meshes_and_polygons_are_cages(ball):
     assert shared[0] == shared[1] and not shared[0][1]
 
 
+def test_a_pyvista_surface_of_quads_is_a_cage():
+    surface = SimpleNamespace(points=CORNERS, regular_faces=np.array(QUADS))
+    made = karui.subdivide(surface, 2)
+    assert np.array_equal(made.positions, karui.subdivide((CORNERS, QUADS), 2).positions)
+
+
 def test_a_trimesh_object_is_a_cage():
     trimesh = pytest.importorskip("trimesh")
     ball = trimesh.creation.icosphere(subdivisions=1)
@@ -285,10 +296,6 @@ def test_anything_is_evaluated():
 
 
 def test_the_same_whatever_the_threads(tmp_path):
-    import os
-    import subprocess
-    import sys
-
     program = (
         "import hashlib, karui, numpy as np;"
         "n = 40; x, y = np.meshgrid(np.arange(n), np.arange(n)); c = np.arange(n * n).reshape(n, n);"

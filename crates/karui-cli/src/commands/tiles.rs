@@ -5,6 +5,7 @@ mod large;
 use crate::args::WriteArgs;
 use crate::console::Console;
 use crate::input::{self, Input};
+use crate::outofcore::{self, told_of_files};
 use crate::table::{bytes, count, number, seconds};
 use crate::textures;
 use anyhow::Result;
@@ -12,7 +13,9 @@ use karui::hlod::TreeOptions;
 use karui::hlod::proxy::{ChooseOptions, ImpostorOptions, ProxyKind};
 use karui::hlod::tiles::{Hlod, HlodOptions, TileContent};
 use karui_io::ErrorKind;
-use karui_io::tiles::{Geodetic, TilesOptions, TilesWritten, Up, VolumeKind, write_hlod};
+use karui_io::tiles::{
+    Geodetic, TilesOptions, TilesWritten, Up, VolumeKind, may_write, write_hlod,
+};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -30,8 +33,9 @@ use std::path::PathBuf;
 pub struct Args {
     /// The scene
     input: PathBuf,
-    /// The folder to make; the tileset is its tileset.json
-    #[arg(short, long, value_name = "DIR")]
+    /// The folder to make, or an s3://, gs:// or az:// URL (of a karui built with `--features
+    /// cloud`); the tileset is its tileset.json, which is put last
+    #[arg(short, long, value_name = "PLACE")]
     output: PathBuf,
     /// Replace a tileset that Karui wrote
     #[arg(long)]
@@ -198,6 +202,8 @@ impl CutArgs {
 /// Makes the tiles.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let options = args.place.resolve(args);
+    outofcore::known(&args.output)?;
+    may_write(&args.output, args.overwrite).map_err(told_of_files)?;
     if let Some(memory) = args.large.memory_limit {
         return large::run(args, memory, &options, console);
     }
@@ -219,7 +225,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         },
     )
     .map_err(refused)?;
-    let written = write_hlod(&args.output, &hlod, &options, &*progress)?;
+    let written = write_hlod(&args.output, &hlod, &options, &*progress);
+    let written = written.map_err(told_of_files)?;
     drop(progress);
     report(args, &input, &hlod, &written, console)
 }

@@ -7,7 +7,7 @@ mod place;
 mod work;
 
 pub use arguments::{BlockArgs, CutArgs, TargetArgs, memory};
-pub use failure::told;
+pub use failure::{told, told_of_files};
 pub use observer::observer;
-pub use place::split;
+pub use place::{cloudy, known, split};
 pub use work::{Work, finish};

@@ -120,8 +120,13 @@ pub fn split(manifest: &Path) -> Result<(PathBuf, &str)> {
     Ok((place, name))
 }
 
+/// Refuses a URL that makes no sense, or that this program does not know.
+pub fn known(name: &Path) -> Result<()> {
+    cloudy(name).map_or(Ok(()), |url| cloud(url).map(drop))
+}
+
 /// The name, if it is a URL.
-fn cloudy(name: &Path) -> Option<&str> {
+pub fn cloudy(name: &Path) -> Option<&str> {
     let name = name.to_str()?;
     let mut schemes = SCHEMES.iter();
     schemes

@@ -32,6 +32,8 @@ mod split;
 mod subtree;
 mod to_json;
 mod tree;
+#[cfg(feature = "cloud")]
+mod upload;
 mod write;
 mod write_content;
 mod write_implicit;
@@ -46,6 +48,7 @@ pub use implicit::Cell;
 pub use model::{
     Asset, BoundingVolume, Content, ImplicitTiling, Refine, Region, Scheme, Shape, Tile, Tileset,
 };
+pub use publish::may_write;
 pub use read::{read, read_bytes};
 pub use report::{CheckOptions, Counts, Level, Report};
 pub use tree::{

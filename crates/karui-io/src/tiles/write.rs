@@ -77,8 +77,8 @@ fn run(
         raised_errors: plan.raised,
         ..TilesWritten::default()
     };
-    plan.write(&draft, &mut written)?;
-    draft.publish()?;
+    let root = plan.write(&draft, &mut written)?;
+    written.bytes += draft.publish(&root)?;
     Ok(written)
 }
 
@@ -277,8 +277,8 @@ impl<'a> Plan<'a> {
             .collect())
     }
 
-    /// Writes all tileset files.
-    fn write(&self, draft: &Draft, written: &mut TilesWritten) -> Result<()> {
+    /// Writes all tileset files but the root's, whose text is given back.
+    fn write(&self, draft: &Draft, written: &mut TilesWritten) -> Result<Vec<u8>> {
         let parents: Vec<Option<u32>> = self.tree.nodes.iter().map(|n| n.parent).collect();
         let alone = split(&parents, self.options.tiles_per_file);
         let mut files: Vec<Tileset> = Vec::new();
@@ -306,15 +306,19 @@ impl<'a> Plan<'a> {
             places.push(place.unwrap_or_default());
         }
         let mut roots = (0..parents.len()).filter(|&n| alone[n]);
+        let mut root = Vec::new();
         for tileset in &files {
-            let name = match roots.next() {
-                Some(n) if n > 0 => format!("tilesets/{}", files_name(n)),
-                _ => "tileset.json".to_owned(),
-            };
-            written.bytes += draft.write(&name, &tileset.to_json())?;
+            let text = tileset.to_json();
+            match roots.next() {
+                Some(n) if n > 0 => {
+                    let name = format!("tilesets/{}", files_name(n));
+                    written.bytes += draft.write(&name, &text)?;
+                }
+                _ => root = text,
+            }
             written.tilesets += 1;
         }
-        Ok(())
+        Ok(root)
     }
 
     fn frame(&self, n: usize) -> Tileset {

@@ -7,10 +7,9 @@ use super::{
     tree::{TileContent, TileContents, TilesOptions, Up},
 };
 use crate::{
-    WriteOptions,
     error::{Error, Result},
+    glb_bytes,
     gltf::Inspected,
-    write_with,
 };
 use glam::{DVec3, Mat4};
 use karui::{
@@ -19,7 +18,7 @@ use karui::{
     progress,
 };
 use rayon::prelude::*;
-use std::{fs, sync::Arc};
+use std::sync::Arc;
 
 /// Contents made between two looks at the observer.
 const BATCH: usize = 128;
@@ -76,9 +75,6 @@ fn store(
     if options.up == Up::Z {
         y_up(&mut scene);
     }
-    let path = draft.path().join(name);
-    let parent = path.parent().unwrap_or(&path);
-    fs::create_dir_all(parent).map_err(|e| Error::file(parent, crate::ErrorKind::Io(e)))?;
     let gltf = Inspected { scene };
     let extent = extent_of(&gltf);
     if extent.is_empty() {
@@ -91,17 +87,14 @@ fn store(
     } else {
         0.0
     };
-    let mut write = WriteOptions {
-        gltf: options.gltf.clone(),
-        ..WriteOptions::default()
-    };
+    let mut write = options.gltf.clone();
     if let Some(features) = content.features {
-        write.gltf.features = Some(Arc::new(features));
+        write.features = Some(Arc::new(features));
     }
-    let written = write_with(&path, &gltf.scene, &write)?;
+    let glb = glb_bytes(&gltf.scene, &write).map_err(|e| e.in_file(name))?;
     Ok(Some(Stored {
         extent: extent.grown(moved),
-        bytes: written.bytes,
+        bytes: draft.write(name, &glb)?,
     }))
 }
 

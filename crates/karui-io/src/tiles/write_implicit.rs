@@ -89,8 +89,7 @@ fn run(
     };
     let levels = write_subtrees(&draft, tree, &filled, &mut written)?;
     let tileset = tileset(tree, options, root, levels, template);
-    written.bytes += draft.write("tileset.json", &tileset.to_json())?;
-    draft.publish()?;
+    written.bytes += draft.publish(&tileset.to_json())?;
     Ok(written)
 }
 

@@ -2,13 +2,12 @@
 
 use super::Args;
 use crate::console::Console;
-use crate::outofcore::{Work, memory, observer, told};
+use crate::outofcore::{Work, cloudy, memory, observer, told, told_of_files};
 use crate::table::{bytes, count, number, seconds};
 use anyhow::Result;
 use karui::outofcore::{PlanOptions, TileCut, tile_tree};
-use karui_io::ErrorKind;
 use karui_io::tiles::{TilesOptions, TilesWritten, write_blocks, write_blocks_implicit};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Models larger than memory.
 #[derive(Debug, Clone, clap::Args)]
@@ -26,7 +25,7 @@ pub struct LargeArgs {
     #[arg(long, value_name = "COUNT", requires = "memory_limit")]
     block_triangles: Option<u64>,
     /// Folder, or s3://, gs:// or az:// URL, for what is not finished [default: the output's name
-    /// with .karui]
+    /// with .karui; of a URL the last part of it, in this folder]
     #[arg(long, value_name = "PLACE", requires = "memory_limit")]
     work: Option<PathBuf>,
     /// Leave that when all is done
@@ -54,10 +53,12 @@ impl LargeArgs {
         }
     }
 
-    fn folder(&self, output: &std::path::Path) -> PathBuf {
+    fn folder(&self, output: &Path) -> PathBuf {
         let beside = || {
+            let last = cloudy(output).map(|_| output.file_name().unwrap_or_default());
             // Without a slash at its end, which would lead into the folder.
-            let mut name = output.components().as_path().as_os_str().to_owned();
+            let whole = || output.components().as_path().as_os_str();
+            let mut name = last.unwrap_or_else(whole).to_owned();
             name.push(".karui");
             PathBuf::from(name)
         };
@@ -80,10 +81,7 @@ pub fn run(args: &Args, memory: u64, options: &TilesOptions, console: &Console) 
     let observer = observer(console.quiet);
     let written = write(&args.output, &work.store, options, &*observer);
     drop(observer);
-    let written = written.map_err(|error| match *error.kind {
-        ErrorKind::Blocks(error) => told(error),
-        _ => error.into(),
-    })?;
+    let written = written.map_err(told_of_files)?;
     report(args, &work, &written, console)?;
     if !large.keep_work {
         work.store.clear()?;
