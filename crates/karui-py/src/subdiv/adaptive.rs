@@ -8,8 +8,8 @@ use crate::camera::{Camera, lights};
 use crate::errors::Raise;
 use crate::progress::run;
 use karui::geom::Vec3;
-use karui::subdiv::SubdivOptions;
 use karui::subdiv::adaptive::{self as lib, AdaptiveOptions, View};
+use karui::subdiv::{ControlMesh, SubdivOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -45,10 +45,13 @@ impl Adaptive {
             triangle_rule,
             uv_rule: None,
         };
-        let cage = cage.0;
-        let options = names.over(cage.rules)?.apply(SubdivOptions::default());
+        let rules = names.over(cage.0.rules)?;
+        let cage = ControlMesh {
+            rules,
+            ..(*cage.0).clone()
+        };
         let made = run(py, None, |_| {
-            lib::Adaptive::new(&cage.cage, &cage.positions, &options)
+            lib::Adaptive::of_control(&cage, &SubdivOptions::default())
         })?;
         Ok(Self(Mutex::new(made)))
     }

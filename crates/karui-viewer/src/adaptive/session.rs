@@ -56,11 +56,16 @@ impl<'a> AdaptiveSession<'a> {
         let rules = request.options.rules(self.control.rules);
         let mut adaptive = match self.adaptive.take() {
             Some((known, adaptive)) if known == rules => adaptive,
-            _ => Adaptive::new(
-                &self.control.cage,
-                &self.control.positions,
-                &rules.apply(SubdivOptions::default()),
-            )?,
+            _ => {
+                // What the page does not draw needs no vertices of its own.
+                let plain = ControlMesh {
+                    rules,
+                    uvs: None,
+                    colors: None,
+                    ..self.control.clone()
+                };
+                Adaptive::of_control(&plain, &SubdivOptions::default())?
+            }
         };
         let refined = adaptive.refine_into(&view, &how, &mut self.mesh);
         self.adaptive = Some((rules, adaptive));

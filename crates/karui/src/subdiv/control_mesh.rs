@@ -2,6 +2,7 @@
 
 use super::cage::{Cage, not_finite};
 use super::options::{Boundary, CreaseMethod, FaceVaryingRule, SubdivOptions, TriangleRule};
+use super::rational;
 use crate::error::{Error, Result};
 use crate::mesh::{PolyMesh, PositionIds};
 use glam::{Vec2, Vec3, Vec4};
@@ -101,15 +102,20 @@ impl ControlMesh {
             rules: Rules::default(),
         }
     }
+
     /// Checks the cage, and that there is as much of everything else as it asks for.
     ///
     /// # Errors
     /// As [`Cage::validate`]; [`Error::LengthMismatch`] and [`Error::NotFinite`] for positions,
-    /// colours and texture coordinates, [`Error::IndexOutOfRange`] for indices of these.
+    /// weights, colours and texture coordinates, [`Error::IndexOutOfRange`] for indices of these,
+    /// [`Error::BadOption`] for weights that are not more than 0.
     pub fn validate(&self) -> Result<()> {
         self.cage.validate()?;
         let vertices = self.cage.vertices;
         check("positions", vertices, &self.positions, |p| p.is_finite())?;
+        if let Some(weights) = &self.weights {
+            rational::check(weights, vertices)?;
+        }
         if let Some(colors) = &self.colors {
             check("colors", vertices, colors, |c| c.is_finite())?;
         }

@@ -63,7 +63,8 @@ pub(super) fn limits(control: &ControlMesh, refinement: &Refinement) -> Result<L
     Ok(limits)
 }
 
-fn check(weights: &[f32], vertices: usize) -> Result<()> {
+/// That weights are one a vertex, finite and more than 0.
+pub(super) fn check(weights: &[f32], vertices: usize) -> Result<()> {
     if weights.len() != vertices {
         return Err(Error::LengthMismatch {
             what: "weights".into(),

@@ -71,8 +71,11 @@ const EASE_PHASE: f64 = 0.6;
 /// ...or when collapses have become so many times as dear.
 const EASE_PRICE: f32 = 4.0;
 /// A round that collapses less than one in so many of the edges it should has moved next to
-/// nothing.
+/// nothing...
 const FEW_MOVED: usize = 32;
+/// ...and after so many of them in a row, rounds go on with dearer edges instead: where most are
+/// refused, there would else be as many rounds as collapses.
+const PATIENCE: usize = 8;
 /// A phase that takes less than one in so many triangles is idle: what is left to
 /// collapse then is not worth a new cut.
 const IDLE: usize = 512;
@@ -227,16 +230,18 @@ impl Run<'_> {
         let enough = enough.filter(|_| blocks.len() > 1 || self.eases);
         let dear = EASE_PRICE * self.paid;
         let least = enough.unwrap_or(0).max(self.target.triangles);
-        let mut steps = Vec::new();
+        let mut steps: Vec<Step> = Vec::new();
+        let mut idle = 0;
         loop {
             let alive = all_alive(blocks);
             if alive <= least {
                 break;
             }
             self.report(alive)?;
-            let Some(round) = self.round(blocks, alive) else {
+            let Some(round) = self.round(blocks, alive, idle >= PATIENCE) else {
                 break;
             };
+            idle = if round.few { idle + 1 } else { 0 };
             steps.push(round);
             if self.guard.is_none() && blocks.iter().any(|b| b.asks) {
                 self.guard = self.input.guard_if_asked()?;
@@ -281,8 +286,9 @@ impl Run<'_> {
         self.refused.add(&block.refused);
     }
 
-    /// One round; none if nothing collapsed.
-    fn round(&self, blocks: &mut [Block], alive: usize) -> Option<Step> {
+    /// One round, if `eager` with ever dearer edges until enough have collapsed; none if none
+    /// has.
+    fn round(&self, blocks: &mut [Block], alive: usize, eager: bool) -> Option<Step> {
         let small = if alive * DEEP < self.whole {
             SMALL
         } else {
@@ -310,9 +316,9 @@ impl Run<'_> {
         let wanted = (self.pace.share * edges as f64) as usize;
         let guard = self.guard_at(alive);
         let mut wish = if last { excess } else { wanted.min(excess / 2) }.max(1);
-        // A round that moves next to nothing is gone on with at dearer edges: where most are
-        // refused there would else be as many rounds as collapses.
-        let enough = before + (wish / FEW_MOVED).max(1);
+        let few = before + (wish / FEW_MOVED).max(1);
+        // A round that moves nothing is gone on with at dearer edges.
+        let enough = if eager { few } else { before + 1 };
         let mut taken = None;
         while let Some(bin) = quantile(&counts, wish) {
             let threshold = upper_end(bin);
@@ -320,7 +326,11 @@ impl Run<'_> {
             let alive = all_alive(blocks);
             let most = wish.min((alive - self.target.triangles) / 2).max(1);
             let share = (most as f64 / under(&counts).max(1) as f64).min(1.0);
-            let step = Step { bin, share };
+            let mut step = Step {
+                bin,
+                share,
+                few: false,
+            };
             if last {
                 self.take_turns(blocks, threshold, alive, guard);
             } else {
@@ -328,6 +338,7 @@ impl Run<'_> {
                 both.for_each(|(block, bins)| step.take(block, bins, guard));
             }
             let moved = collapses(blocks);
+            step.few = moved < few;
             if moved > before {
                 taken = Some(step);
             }
@@ -384,6 +395,8 @@ struct Step {
     bin: usize,
     /// How many of those did at most, as a share.
     share: f64,
+    /// Whether next to nothing collapsed.
+    few: bool,
 }
 
 impl Step {
