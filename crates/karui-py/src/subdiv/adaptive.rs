@@ -147,7 +147,8 @@ pub struct AdaptiveMesh {
     parents: Py<PyArray1<u32>>,
     /// (m,) uint8: number of √2 steps that have made every face.
     depths: Py<PyArray1<u8>>,
-    /// (n,) uint32: vertices that are one but for their normals have one number.
+    /// (n,) uint32: vertices that are one, but for normals and texture coordinates, have one number,
+    /// that of the cage's vertex, or if it is none a larger one.
     points: Py<PyArray1<u32>>,
     /// Whether more would have been split, but for max_faces.
     truncated: bool,

@@ -13,7 +13,9 @@ const PARTS: usize = 32;
 pub(super) struct Drawing {
     parts: Vec<Part>,
     /// Wedges that have become vertices.
-    wedges: Vec<u32>,
+    pub wedges: Vec<u32>,
+    /// Of every point, the frame in which a vertex was first at it, and that.
+    firsts: Vec<[u32; 2]>,
     /// Of every vertex the corner of the deepest tier that it was drawn at, its number in
     /// texture coordinates, and the next vertex of its wedge; only if that is going to matter.
     places: Vec<Place>,
@@ -67,6 +69,7 @@ impl Drawing {
         if !limit {
             self.deepen_points(store, frame);
         }
+        self.number_points(store, frame, to);
         self.place_vertices(store, limit, to);
         if !skin.is_plain() {
             self.find_places(to);
@@ -149,14 +152,24 @@ impl Drawing {
         }
     }
 
+    /// Numbers points, so that what was made when does not show.
+    fn number_points(&mut self, store: &Store, frame: u32, to: &mut AdaptiveMesh) {
+        self.firsts.resize(store.points.len(), [0; 2]);
+        let cage = store.tiers[0].vertices.len() as u32;
+        for (v, &wedge) in (0..).zip(&self.wedges) {
+            let point = store.wedges[wedge as usize].point;
+            let first = &mut self.firsts[point as usize];
+            if first[0] != frame {
+                *first = [frame, if point < cage { point } else { cage + v }];
+            }
+            to.points.push(first[1]);
+        }
+    }
+
     fn place_vertices(&self, store: &mut Store, limit: bool, to: &mut AdaptiveMesh) {
         let shared = &*store;
         let wedges = self.wedges.par_iter().with_min_len(4096);
         let wedges = wedges.map(|&wedge| &shared.wedges[wedge as usize]);
-        wedges
-            .clone()
-            .map(|w| w.point)
-            .collect_into_vec(&mut to.points);
         let normals = to.mesh.attributes.normals.get_or_insert_default();
         wedges.clone().map(|w| w.normal).collect_into_vec(normals);
         wedges
@@ -165,7 +178,8 @@ impl Drawing {
         if limit {
             return;
         }
-        for (position, &point) in to.mesh.positions.iter_mut().zip(&to.points) {
+        for (position, &wedge) in to.mesh.positions.iter_mut().zip(&self.wedges) {
+            let point = store.wedges[wedge as usize].point;
             let [t, v] = store.points[point as usize].place;
             *position = store.position(t as usize, v).as_vec3();
         }

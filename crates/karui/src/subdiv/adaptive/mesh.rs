@@ -14,7 +14,8 @@ pub struct AdaptiveMesh {
     pub parents: Vec<u32>,
     /// Number of √2 steps that have made every face.
     pub depths: Vec<u8>,
-    /// Vertices that are one, but for their normals, have one number here; any others not.
+    /// Vertices that are one, but for normals and texture coordinates, have one number here,
+    /// any others not: that of the cage's vertex, or if it is none a larger one.
     pub points: Vec<u32>,
     /// Whether more would have been split, but for
     /// [`AdaptiveOptions::max_faces`](super::AdaptiveOptions::max_faces).

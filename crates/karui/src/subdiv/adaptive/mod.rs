@@ -149,6 +149,7 @@ impl Adaptive {
         if self.kept() > options.max_kept || self.pass > u32::MAX - 4 * MAX_DEPTH {
             self.store.forget();
             self.skin.forget();
+            self.drawing = Drawing::default();
             (self.frame, self.pass) = (0, 0);
         }
         // Views that follow each other are alike in that, and it is only a matter of time.
