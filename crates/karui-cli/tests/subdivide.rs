@@ -4,6 +4,7 @@
 mod common;
 
 use common::Folder;
+use karui::geom::Vec2;
 use std::path::{Path, PathBuf};
 
 const CUBE: &str = "\
@@ -116,6 +117,12 @@ fn texture_coordinates_and_materials_go_along() {
     let counts: Vec<u32> = mesh.ranges.iter().map(|r| r.count).collect();
     assert_eq!(counts.iter().sum::<u32>(), 192);
     assert_eq!(mesh.ranges.len(), 2);
+    folder.ok("subdivide box.obj -o seen.glb --adaptive --pixels 0.5 --uvs boundaries");
+    let scene = karui_io::read(folder.path("seen.glb")).unwrap();
+    let mesh = &scene.meshes[0].mesh;
+    let inside = |uv: &Vec2| uv.min_element() > -1e-6 && uv.max_element() < 1.0 + 1e-6;
+    assert_eq!((scene.materials.len(), mesh.ranges.len()), (2, 2));
+    assert!(mesh.attributes.uvs[0].iter().all(inside));
     for args in ["--scheme sqrt2 --levels 3", "--scheme sqrt2 --levels 1"] {
         let ran = folder.ok(&format!("subdivide box.obj -o out.glb {args}"));
         assert!(ran.err.contains("left out"), "{}", ran.err);
@@ -125,6 +132,28 @@ fn texture_coordinates_and_materials_go_along() {
     folder.ok("convert box.obj box.ply");
     let ran = folder.fails(2, "subdivide box.ply -o out.glb --scheme sqrt3 --limit");
     assert!(ran.err.contains("leave out --limit"), "{}", ran.err);
+}
+
+#[test]
+fn weights_of_the_file_count() {
+    let folder = cube();
+    let heavy = CUBE.replace("v 1 1 1", "v 1 1 1 4");
+    folder.write("heavy.obj", heavy);
+    let top = |input: &str| {
+        folder.ok(&format!("subdivide {input} -o out.ply --limit"));
+        let scene = karui_io::read(folder.path("out.ply")).unwrap();
+        let sums = scene.meshes[0].mesh.positions.iter();
+        sums.map(|p| p.element_sum()).fold(0.0, f32::max)
+    };
+    assert!(
+        top("heavy.obj") > top("cube.obj") + 0.1,
+        "it is drawn to the corner"
+    );
+    let ran = folder.fails(2, "subdivide heavy.obj -o no.ply --adaptive");
+    assert!(ran.err.contains("weights"), "{}", ran.err);
+    folder.write("none.obj", CUBE.replace("v 1 1 1", "v 1 1 1 0"));
+    let ran = folder.fails(2, "subdivide none.obj -o no.ply");
+    assert!(ran.err.contains("weight"), "{}", ran.err);
 }
 
 #[test]
