@@ -54,7 +54,8 @@ pub struct AdaptiveOptions {
     /// Nothing more is split once there are this many faces. Default 4,000,000.
     pub max_faces: usize,
     /// At the start of a frame, all that has been kept from others is forgotten if it has
-    /// more faces than this, each about 480 bytes. Default 4,000,000.
+    /// more faces than this, each about 480 bytes, and about as much again for texture
+    /// coordinates and for colours. Default 4,000,000.
     pub max_kept: usize,
 }
 
