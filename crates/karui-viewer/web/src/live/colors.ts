@@ -69,7 +69,7 @@ export class Colouring {
 
   private ofClusters(): HTMLElement[] {
     const some = OKABE_ITO.map((color) => css(color)).join(', ');
-    return [this.caption('Clusters'), this.ramp(some), h('div', { class: 'mean' }, 'Each cluster has a colour of its own, from its number in the graph: it keeps it wherever the camera goes.')];
+    return [this.caption('Clusters'), this.ramp(some), h('div', { class: 'mean' }, 'The colour of a cluster comes from its number in the graph: it keeps it wherever the camera goes.')];
   }
 
   private ofLevels(): HTMLElement[] {

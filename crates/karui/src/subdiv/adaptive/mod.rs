@@ -36,6 +36,7 @@ pub use options::{AdaptiveOptions, MAX_DEPTH, View};
 
 use super::cage::Cage;
 use super::control_mesh::ControlMesh;
+use super::level::Level;
 use super::options::{Scheme, SubdivOptions};
 use crate::error::{Error, Result};
 use draw::Drawing;
@@ -69,16 +70,12 @@ impl Adaptive {
     /// [`Error::NonManifoldEdge`], [`Error::InconsistentEdge`] or [`Error::DegenerateFace`]
     /// where faces do not meet in pairs.
     pub fn new(cage: &Cage, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
-        if !matches!(options.scheme, Scheme::CatmullClark | Scheme::Sqrt2) {
-            return Err(options::bad(
-                "scheme",
-                &format!("{:?}", options.scheme),
-                "CatmullClark or Sqrt2, to be adaptive",
-            ));
-        }
-        check(positions, cage.vertices)?;
+        Self::of_level(&level(cage, positions, options)?, positions, options)
+    }
+
+    fn of_level(level: &Level, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
         Ok(Self {
-            store: Store::new(cage, positions, options)?,
+            store: Store::of_level(level, positions, options)?,
             skin: Skin::default(),
             frame: 0,
             pass: 0,
@@ -102,8 +99,9 @@ impl Adaptive {
             return Err(options::bad("weights", &found, "none, to be adaptive"));
         }
         let options = control.rules.apply(*options);
-        let mut made = Self::new(&control.cage, &control.positions, &options)?;
-        made.skin = Skin::new(control, &mut made.store, &options)?;
+        let level = level(&control.cage, &control.positions, &options)?;
+        let mut made = Self::of_level(&level, &control.positions, &options)?;
+        made.skin = Skin::new(control, &level, &mut made.store, &options)?;
         Ok(made)
     }
 
@@ -152,7 +150,8 @@ impl Adaptive {
             self.drawing = Drawing::default();
             (self.frame, self.pass) = (0, 0);
         }
-        // Views that follow each other are alike in that, and it is only a matter of time.
+        // What was too much in the last frame is so in the next one as a rule; to be wrong
+        // takes time only.
         let mut end = self.select(&eye, options, self.full);
         if end == End::Unclear {
             end = self.select(&eye, options, true);
@@ -181,6 +180,19 @@ impl Adaptive {
         };
         select::select(&mut self.store, choice, &mut self.offers, &mut self.pass)
     }
+}
+
+/// The cage, if it may be adaptive and has so many positions.
+fn level(cage: &Cage, positions: &[Vec3], options: &SubdivOptions) -> Result<Level> {
+    if !matches!(options.scheme, Scheme::CatmullClark | Scheme::Sqrt2) {
+        return Err(options::bad(
+            "scheme",
+            &format!("{:?}", options.scheme),
+            "CatmullClark or Sqrt2, to be adaptive",
+        ));
+    }
+    check(positions, cage.vertices)?;
+    Level::of_cage(cage, options)
 }
 
 fn check(positions: &[Vec3], vertices: usize) -> Result<()> {

@@ -8,7 +8,6 @@
 use super::piece::Piece;
 use super::stamp::{Mark, Stamps};
 use crate::error::{Error, Result};
-use crate::subdiv::Cage;
 use crate::subdiv::level::{Faces, Level};
 use crate::subdiv::options::{CreaseMethod, SubdivOptions, TriangleRule};
 use glam::Vec3;
@@ -159,10 +158,6 @@ pub(super) struct Store {
 }
 
 impl Store {
-    pub fn new(cage: &Cage, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
-        Self::of_level(&Level::of_cage(cage, options)?, positions, options)
-    }
-
     pub fn of_level(level: &Level, positions: &[Vec3], options: &SubdivOptions) -> Result<Self> {
         check_edges(level)?;
         let mut store = Self {

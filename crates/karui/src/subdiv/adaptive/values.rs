@@ -44,18 +44,22 @@ pub(super) struct Values {
 }
 
 impl Skin {
-    /// Of a control mesh whose cage is that of `store`; marks seams in that.
-    pub fn new(control: &ControlMesh, store: &mut Store, options: &SubdivOptions) -> Result<Self> {
-        let level = Level::of_cage(&control.cage, options)?;
+    /// Of a control mesh whose cage is `level` and that of `store`; marks seams in that.
+    pub fn new(
+        control: &ControlMesh,
+        level: &Level,
+        store: &mut Store,
+        options: &SubdivOptions,
+    ) -> Result<Self> {
         let mut skin = Self {
             materials: control.face_materials.clone(),
             ..Self::default()
         };
         if let Some(uvs) = &control.uvs {
-            skin.uvs = Some(Values::of_uvs(uvs, &level, store, options)?);
+            skin.uvs = Some(Values::of_uvs(uvs, level, store, options)?);
         }
         if let Some(colors) = &control.colors {
-            skin.colors = Some(Colors::new(colors, &level, options)?);
+            skin.colors = Some(Colors::new(colors, level, options)?);
         }
         Ok(skin)
     }
